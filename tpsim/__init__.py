@@ -1,0 +1,8 @@
+"""tpsim: task-parameterized movement learning on simulated torque-controlled robots.
+
+The mathematics of S. Calinon, "A Tutorial on Task-Parameterized Movement Learning and
+Retrieval" (2016), re-exported flat. Simulation lives in :mod:`tpsim.sim` and above and is
+imported where it is used, so that this import needs numpy and scipy alone.
+"""
+
+from tpsim.errors import TpsimError as TpsimError

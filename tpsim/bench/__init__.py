@@ -1,0 +1,1 @@
+"""Speeds, measured by ``tpsim bench``."""

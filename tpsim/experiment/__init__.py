@@ -1,0 +1,1 @@
+"""Experiments: recordings, metrics, campaigns, reports and figures."""

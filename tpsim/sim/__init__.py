@@ -1,0 +1,1 @@
+"""The simulated laboratory: scenes, robots, teaching, pushes and roll-outs."""

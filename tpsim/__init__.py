@@ -5,4 +5,8 @@ Retrieval" (2016), re-exported flat. Simulation lives in :mod:`tpsim.sim` and ab
 imported where it is used, so that this import needs numpy and scipy alone.
 """
 
+from tpsim.control.impedance import impedance as impedance
+from tpsim.control.impedance import impedance_of as impedance_of
+from tpsim.control.planar import PlanarChain as PlanarChain
+from tpsim.control.planar import two_armed as two_armed
 from tpsim.errors import TpsimError as TpsimError

@@ -1,0 +1,120 @@
+"""Stiffness and damping from precision: minimal intervention in closed form (Section 6)."""
+
+import numpy as np
+
+from tpsim.errors import ArgumentError
+
+_INDEFINITE = 1e-8
+"""Relative size of a negative eigenvalue that is still taken for rounding of zero."""
+
+
+def impedance(precision, effort):
+    """Optimal stiffness and damping of a double integrator, infinite horizon, closed form.
+
+    The controller u = -stiffness (x - x_hat) - damping dx minimises the integral of
+    (x - x_hat)ᵀ Λ (x - x_hat) + uᵀ R u for ddx = u (Eq. 34 in continuous time, no cost on
+    velocity). With R = r I
+
+        stiffness = (Λ / r)^(1/2),    damping = (2 stiffness)^(1/2),
+
+    both from one symmetric eigendecomposition. A matrix effort R = L Lᵀ is brought to the
+    identity by the congruence y = Lᵀ x, which exists for every positive definite R: the closed
+    form holds with Λ replaced by L⁻¹ Λ L⁻ᵀ, and the gains are L⁻ᵀ (.) Lᵀ. Then R stiffness is
+    symmetric (stiffness alone is not); with R = r M(q) so is the physical stiffness M stiffness.
+    Where Λ is zero in a direction, so are stiffness and damping: the arm is free there.
+
+    Parameters
+    ----------
+    precision : array (..., n, n)
+        Symmetric positive semi-definite Λ [1/m², 1/rad²].
+    effort : float, array (..., 1, 1) or array (..., n, n)
+        Cost r > 0 of acceleration, or the symmetric positive definite matrix R.
+
+    Returns
+    -------
+    stiffness : ndarray (..., n, n)
+        Acceleration per displacement [1/s²]; times inertia it is N/m or Nm/rad.
+    damping : ndarray (..., n, n)
+        Acceleration per velocity [1/s].
+
+    Raises
+    ------
+    ArgumentError
+        If the precision is indefinite or not finite, or the effort is not positive.
+
+    """
+    precision = np.asarray(precision, float)
+    if precision.ndim < 2 or precision.shape[-1] != precision.shape[-2]:
+        raise ArgumentError(
+            f"precision has shape {precision.shape}; give square matrices (..., n, n)"
+        )
+    if not np.isfinite(precision).all():
+        raise ArgumentError("precision has entries that are not finite; check the covariances")
+    effort = np.asarray(effort, float)
+    if effort.ndim < 2 or effort.shape[-1] == 1:
+        if not (np.isfinite(effort).all() and (effort > 0).all()):
+            raise ArgumentError(f"effort is {effort}; give a positive number")
+        return _scaled_roots(precision / effort)
+    return _congruent_roots(precision, effort)
+
+
+def impedance_of(feedback):
+    """Stiffness and damping inside feedback gains, K_t = [K_p, K_v] (Section 6).
+
+    The force law is then u_t = K_p (x_hat_t - x) - K_v dx, up to the feedforward term.
+
+    Parameters
+    ----------
+    feedback : Feedback or Regulator
+        With ``gain`` (..., m, 2 m), made by :func:`lqt` or :func:`lqr` for a double integrator.
+
+    Returns
+    -------
+    stiffness, damping : ndarray (..., m, m)
+
+    Raises
+    ------
+    ArgumentError
+        If the gain is not that of a double integrator.
+
+    """
+    gain = feedback.gain
+    controls, states = gain.shape[-2:]
+    if states != 2 * controls:
+        raise ArgumentError(
+            f"gain has shape {gain.shape}; stiffness and damping need (..., m, 2 m): "
+            "use integrator(dim, dt, order=2)"
+        )
+    return gain[..., :controls], gain[..., controls:]
+
+
+def _scaled_roots(scaled):
+    """Square roots of Λ / r and of twice that root, from one eigendecomposition."""
+    values, vectors = np.linalg.eigh(scaled)
+    if (values[..., 0] < -_INDEFINITE * np.maximum(np.abs(values[..., -1]), 1e-300)).any():
+        raise ArgumentError(
+            f"precision is indefinite (smallest eigenvalue over effort {values[..., 0].min():.3g});"
+            " give a symmetric positive semi-definite matrix"
+        )
+    roots = np.sqrt(np.maximum(values, 0.0))
+    transposed = np.swapaxes(vectors, -1, -2)
+    stiffness = (vectors * roots[..., None, :]) @ transposed
+    damping = (vectors * np.sqrt(2.0 * roots)[..., None, :]) @ transposed
+    return stiffness, damping
+
+
+def _congruent_roots(precision, effort):
+    """The roots in the coordinates y = Lᵀ x where the effort is the identity, brought back."""
+    try:
+        L = np.linalg.cholesky(effort)
+        half = np.linalg.solve(L, precision)
+    except (np.linalg.LinAlgError, ValueError) as error:
+        raise ArgumentError(
+            f"effort of shape {effort.shape} is not usable with a precision of shape "
+            f"{precision.shape}: {error}; give a positive number or a symmetric positive "
+            "definite matrix (n, n)"
+        ) from error
+    L_transposed = np.swapaxes(L, -1, -2)
+    whitened = np.linalg.solve(L, np.swapaxes(half, -1, -2))
+    return tuple(np.linalg.solve(L_transposed, root @ L_transposed)
+                 for root in _scaled_roots(whitened))

@@ -1,0 +1,135 @@
+"""Planar kinematics: serial chains and the two-armed figure of Figs 10 and 11."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tpsim.errors import ArgumentError
+
+
+@dataclass(frozen=True)
+class PlanarChain:
+    """A serial chain of revolute joints in the plane, angles relative to the previous link.
+
+    Parameters
+    ----------
+    lengths : sequence of k floats
+        Link lengths [m].
+    joints : sequence of k ints, optional
+        Which entries of the posture q turn the links; by default the first k. Two chains that
+        share entries are the arms of one body.
+    size : int, optional
+        Number n of entries of q; by default the least that holds all joints.
+
+    Raises
+    ------
+    ArgumentError
+        If lengths, joints and size do not fit each other.
+
+    """
+
+    lengths: tuple
+    joints: tuple | None = None
+    size: int | None = None
+
+    def __post_init__(self):
+        lengths = tuple(float(length) for length in self.lengths)
+        joints = range(len(lengths)) if self.joints is None else self.joints
+        joints = tuple(int(joint) for joint in joints)
+        size = max(joints, default=-1) + 1 if self.size is None else self.size
+        if not lengths or len(joints) != len(lengths) or len(set(joints)) != len(joints):
+            raise ArgumentError(
+                f"{len(lengths)} lengths and joints {joints} given; give one joint per link"
+            )
+        if min(lengths) <= 0 or min(joints) < 0 or max(joints) >= size:
+            raise ArgumentError(
+                f"lengths {lengths}, joints {joints}, size {size}: lengths must be positive and "
+                "joints between 0 and size - 1"
+            )
+        object.__setattr__(self, "lengths", lengths)
+        object.__setattr__(self, "joints", joints)
+        object.__setattr__(self, "size", size)
+
+    def points(self, q):
+        """Positions of the base, the joints and the tip (..., k + 1, 2) [m] for q (..., n)."""
+        steps = self._links(q)
+        base = np.zeros((*steps.shape[:-2], 1, 2))
+        return np.concatenate([base, np.cumsum(steps, axis=-2)], axis=-2)
+
+    def position(self, q):
+        """Position of the tip (..., 2) [m] for postures q (..., n) [rad]."""
+        return self._links(q).sum(axis=-2)
+
+    def orientation(self, q):
+        """Angle of the last link (...,) [rad], not wrapped."""
+        return self._posture(q)[..., list(self.joints)].sum(axis=-1)
+
+    def jacobian(self, q):
+        """Analytic Jacobian of :meth:`position` (..., 2, n) [m/rad]."""
+        steps = self._links(q)
+        lever = np.cumsum(steps[..., ::-1, :], axis=-2)[..., ::-1, :]
+        J = np.zeros((*steps.shape[:-2], 2, self.size))
+        J[..., 0, self.joints] = -lever[..., 1]
+        J[..., 1, self.joints] = lever[..., 0]
+        return J
+
+    def orientation_jacobian(self, q):
+        """Jacobian of :meth:`orientation` (..., 1, n), which is constant."""
+        J = np.zeros((*self._posture(q).shape[:-1], 1, self.size))
+        J[..., self.joints] = 1.0
+        return J
+
+    def _links(self, q):
+        """Vectors of the links (..., k, 2) in world axes."""
+        angles = np.cumsum(self._posture(q)[..., list(self.joints)], axis=-1)
+        return np.stack([np.cos(angles), np.sin(angles)], axis=-1) * np.array(self.lengths)[:, None]
+
+    def _posture(self, q):
+        q = np.asarray(q, float)
+        if q.ndim < 1 or q.shape[-1] != self.size:
+            raise ArgumentError(f"q has shape {q.shape}; this chain needs (..., {self.size})")
+        return q
+
+
+def two_armed(lengths):
+    """Left and right arm of a body with one trunk link: 5 articulations, Fig. 11.
+
+    Parameters
+    ----------
+    lengths : sequence of 5 floats
+        Trunk, two links of the left arm, two links of the right arm [m].
+
+    Returns
+    -------
+    left, right : PlanarChain
+        Chains over the same posture q = (trunk, left 1, left 2, right 1, right 2).
+
+    """
+    if len(lengths) != 5:
+        raise ArgumentError(f"{len(lengths)} lengths given; a two-armed figure has 5 links")
+    trunk, *arms = lengths
+    left = PlanarChain((trunk, *arms[:2]), joints=(0, 1, 2), size=5)
+    right = PlanarChain((trunk, *arms[2:]), joints=(0, 3, 4), size=5)
+    return left, right
+
+
+def numeric_jacobian(function, q, step=1e-6):
+    """Jacobian of any function of the posture by central differences.
+
+    Parameters
+    ----------
+    function : callable
+        From (n,) [rad] to (m,) or a scalar.
+    q : array (n,)
+        Posture [rad].
+    step : float
+        Half of the difference [rad].
+
+    Returns
+    -------
+    ndarray (m, n)
+
+    """
+    q = np.asarray(q, float)
+    columns = [np.atleast_1d(function(q + d) - function(q - d)) for d in step * np.eye(q.size)]
+    return np.stack(columns, axis=-1) / (2.0 * step)

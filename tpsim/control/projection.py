@@ -1,0 +1,222 @@
+"""Jacobian and nullspace operators as frames of the configuration space: Table 3, Eqs 39-44.
+
+Each function returns a :class:`tpsim.Frame` whose A (n, d) and b (n,) map a local Gaussian to
+joint space, q_hat = A mu + b, around the present posture q, so that ``TPGMM.adapt`` multiplies
+joint, task and nullspace constraints in one space. Leading axes broadcast.
+
+Options that all of them share
+
+gain
+    Fraction of the correction that one step makes; 1 is the equation as printed (the reference
+    code uses 0.15 where the frames are re-computed at every step).
+clip
+    Largest norm of the error ``b_object - x`` [m, rad]; None leaves it as it is.
+damping
+    Singular value below which the pseudo-inverse is damped [m/rad, rad/rad]: s is inverted as
+    s / max(s, damping)², exact above and going continuously to zero at a singular posture.
+ridge
+    Constant added to J Jᵀ everywhere, as the reference code does (1e-8); 0 by default.
+"""
+
+import numpy as np
+
+from tpsim.errors import ArgumentError
+from tpsim.frame import Frame
+
+DAMPING = 0.01
+"""Singular value of a Jacobian below which its pseudo-inverse is damped [m/rad]."""
+
+
+def pseudoinverse(J, damping=DAMPING, ridge=0.0):
+    """Right pseudo-inverse J⁺ (..., n, m) of a Jacobian (..., m, n), damped near singularities."""
+    U, inverted, Vt, _ = _inverted(J, damping, ridge)
+    return np.swapaxes(Vt, -1, -2) @ (inverted[..., None] * np.swapaxes(U, -1, -2))
+
+
+def nullspace(J, damping=DAMPING, ridge=0.0):
+    """Nullspace projection N = I - J⁺ J (..., n, n), continuous through singularities."""
+    _, inverted, Vt, singular = _inverted(J, damping, ridge)
+    taken = (inverted * singular)[..., None] * Vt
+    return np.eye(Vt.shape[-1]) - np.swapaxes(Vt, -1, -2) @ taken
+
+
+def joint(n):
+    """Joint-space constraint in a fixed frame, Eq. 39: A = I, b = 0, for n joints."""
+    if n < 1:
+        raise ArgumentError(f"{n} joints given; a joint frame needs at least one")
+    return Frame(np.eye(n), np.zeros(n))
+
+
+def absolute(J, q, x, *, gain=1.0, damping=DAMPING, ridge=0.0):
+    """Absolute task-space constraint, Eq. 40: A = J⁺, b = q - J⁺ x.
+
+    Parameters
+    ----------
+    J : array (..., m, n)
+        Jacobian of the task at q.
+    q : array (..., n)
+        Present posture [rad].
+    x : array (..., m)
+        Present task-space pose [m, rad].
+    gain, damping, ridge : float
+        See the module.
+
+    Returns
+    -------
+    Frame
+        A (..., n, m), b (..., n).
+
+    """
+    J, q, x = _checked(J, q, x)
+    return _task_frame(gain * pseudoinverse(J, damping, ridge), q, -x)
+
+
+def relative(J, q, x, A_object, b_object, *, gain=1.0, clip=None, damping=DAMPING, ridge=0.0):
+    """Task-space constraint relative to an object, Eq. 41: A = J⁺ A_O, b = q + J⁺ (b_O - x).
+
+    Parameters
+    ----------
+    J, q, x : arrays (..., m, n), (..., n), (..., m)
+        Jacobian, posture [rad] and pose [m, rad], as in :func:`absolute`.
+    A_object : array (..., m, d)
+        Orientation of the object in task space.
+    b_object : array (..., m)
+        Position of the object in task space [m, rad].
+    gain, clip, damping, ridge : float
+        See the module.
+
+    Returns
+    -------
+    Frame
+        A (..., n, d), b (..., n).
+
+    """
+    J, q, x = _checked(J, q, x)
+    error = _clipped(np.asarray(b_object, float) - x, clip)
+    return _task_frame(gain * pseudoinverse(J, damping, ridge), q, error, A_object)
+
+
+def nullspace_joint(J, q, *, gain=1.0, damping=DAMPING, ridge=0.0):
+    """Posture in the nullspace of a task, Eq. 42: A = N, b = J⁺ J q.
+
+    With a gain k it reads A = k N, b = q - k N q.
+
+    Parameters
+    ----------
+    J : array (..., m, n)
+        Jacobian of the task that comes first.
+    q : array (..., n)
+        Present posture [rad].
+    gain, damping, ridge : float
+        See the module.
+
+    Returns
+    -------
+    Frame
+        A (..., n, n) of rank n - m, b (..., n).
+
+    """
+    J, q, _ = _checked(J, q)
+    return _task_frame(gain * nullspace(J, damping, ridge), q, -q)
+
+
+def nullspace_absolute(J, q, J_other, x_other, *, gain=1.0, damping=DAMPING, ridge=0.0):
+    """Absolute secondary task in the nullspace, Eq. 43: A = N J~⁺, b = q - N J~⁺ x~.
+
+    Parameters
+    ----------
+    J : array (..., m, n)
+        Jacobian of the task that comes first.
+    q : array (..., n)
+        Present posture [rad].
+    J_other, x_other : arrays (..., k, n), (..., k)
+        Jacobian and pose of the secondary task [m, rad].
+    gain, damping, ridge : float
+        See the module.
+
+    Returns
+    -------
+    Frame
+        A (..., n, k), b (..., n).
+
+    """
+    J, q, _ = _checked(J, q)
+    J_other, q, x_other = _checked(J_other, q, x_other)
+    return _task_frame(gain * _secondary(J, J_other, damping, ridge), q, -x_other)
+
+
+def nullspace_relative(J, q, J_other, x_other, A_object, b_object, *,
+                       gain=1.0, clip=None, damping=DAMPING, ridge=0.0):
+    """Secondary task relative to an object, Eq. 44: A = N J~⁺ A_O, b = q + N J~⁺ (b_O - x~).
+
+    Parameters
+    ----------
+    J : array (..., m, n)
+        Jacobian of the task that comes first.
+    q : array (..., n)
+        Present posture [rad].
+    J_other, x_other : arrays (..., k, n), (..., k)
+        Jacobian and pose of the secondary task [m, rad].
+    A_object, b_object : arrays (..., k, d), (..., k)
+        Orientation and position of the object of the secondary task.
+    gain, clip, damping, ridge : float
+        See the module.
+
+    Returns
+    -------
+    Frame
+        A (..., n, d), b (..., n).
+
+    """
+    J, q, _ = _checked(J, q)
+    J_other, q, x_other = _checked(J_other, q, x_other)
+    error = _clipped(np.asarray(b_object, float) - x_other, clip)
+    return _task_frame(gain * _secondary(J, J_other, damping, ridge), q, error, A_object)
+
+
+def _secondary(J, J_other, damping, ridge):
+    """N(J) J_other⁺: the part of a secondary motion that the first task does not feel."""
+    return nullspace(J, damping, ridge) @ pseudoinverse(J_other, damping, ridge)
+
+
+def _task_frame(lift, q, error, A_object=None):
+    """Frame of joint displacements lift (A_object mu + error) from the posture q."""
+    A = lift if A_object is None else lift @ np.asarray(A_object, float)
+    return Frame(A, q + (lift @ error[..., None])[..., 0])
+
+
+def _clipped(error, clip):
+    """The error, shortened to the norm ``clip`` without turning it."""
+    if clip is None:
+        return error
+    if not clip > 0:
+        raise ArgumentError(f"clip is {clip}; give a positive norm [m, rad] or None")
+    norm = np.linalg.norm(error, axis=-1, keepdims=True)
+    return error * (clip / np.maximum(norm, clip))
+
+
+def _inverted(J, damping, ridge):
+    """SVD of J with its filtered inverse singular values: U, inverted, Vt, singular."""
+    U, singular, Vt = np.linalg.svd(np.asarray(J, float), full_matrices=False)
+    damped = np.maximum(singular, damping) ** 2 + ridge
+    # Without damping and ridge an exactly zero singular value inverts to zero, as in any pinv.
+    tiny = singular <= singular[..., :1] * 1e-14
+    inverted = np.where(tiny, 0.0, singular / np.where(damped > 0, damped, 1.0))
+    return U, inverted, Vt, singular
+
+
+def _checked(J, q, x=None):
+    """The arguments as arrays, after comparing the sizes of task and configuration."""
+    J, q = np.asarray(J, float), np.asarray(q, float)
+    x = None if x is None else np.asarray(x, float)
+    if J.ndim < 2 or q.ndim < 1 or J.shape[-1] != q.shape[-1]:
+        raise ArgumentError(
+            f"J has shape {J.shape} and q {q.shape}; give J (..., m, n) and q (..., n)"
+        )
+    if x is not None and (x.ndim < 1 or x.shape[-1] != J.shape[-2]):
+        raise ArgumentError(
+            f"J has shape {J.shape} and x {x.shape}; give J (..., m, n) and x (..., m)"
+        )
+    if not (np.isfinite(J).all() and np.isfinite(q).all() and (x is None or np.isfinite(x).all())):
+        raise ArgumentError("J, q or x is not finite; check the joint angles they come from")
+    return J, q, x

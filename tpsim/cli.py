@@ -100,10 +100,15 @@ class Run(SeededCommand):
         from tpsim.experiment import campaign
 
         return campaign.run(
-            self.task, seed=self.seed, video=self.video, situations=self.situations,
-            pushes=self.pushes, workers=self.workers or len(os.sched_getaffinity(0)),
-            folder=self.folder, progress=sys.stderr.isatty(),
-        )  # fmt: skip
+            self.task,
+            seed=self.seed,
+            video=self.video,
+            situations=self.situations,
+            pushes=self.pushes,
+            workers=self.workers or len(os.sched_getaffinity(0)),
+            folder=self.folder,
+            progress=sys.stderr.isatty(),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,9 +197,15 @@ class Push(Reproduce):
         from tpsim.experiment import campaign
 
         return campaign.push(
-            self.task, situation=self.situation, force=self.force, start=self.start,
-            duration=self.duration, body=self.body, seed=self.seed, folder=self.folder,
-        )  # fmt: skip
+            self.task,
+            situation=self.situation,
+            force=self.force,
+            start=self.start,
+            duration=self.duration,
+            body=self.body,
+            seed=self.seed,
+            folder=self.folder,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -300,8 +311,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail(error, 1)
     except KeyboardInterrupt:
         again = shlex.join(["tpsim", *arguments])
-        return _fail(f"interrupted; finished trials are kept in {paths.runs()}. "
-                     f"To start again: {again}", 1)  # fmt: skip
+        return _fail(
+            f"interrupted; finished trials are kept in {paths.runs()}. To start again: {again}", 1
+        )
     _show(result, as_json=command.json)
     return 0
 

@@ -1,0 +1,299 @@
+"""Torque controllers: minimal intervention from learned precision, and fixed gains to compare.
+
+The torque law is ``tau = M(q) [ K (q_hat - q) - D dq ] + bias(q, dq)``; the controllers differ in
+where q_hat, K and D come from.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tpsim.errors import ArgumentError
+from tpsim.gaussian import Gaussian
+from tpsim.learning.tp_gmm import TPGMM
+from tpsim.sim.coordinate import Coordinate, Posture
+from tpsim.sim.robot import Robot
+
+
+@dataclass(frozen=True)
+class Behaviour:
+    """What was taught: a TP-GMM and the coordinates that its frames observe.
+
+    Parameters
+    ----------
+    name : str
+    coordinates : tuple of Coordinate
+        One for each frame of the model.
+    model : TPGMM
+    """
+
+    name: str
+    coordinates: tuple[Coordinate, ...]
+    model: TPGMM
+
+    def __post_init__(self):
+        if len(self.coordinates) != len(self.model.frames):
+            raise ArgumentError(
+                f"behaviour '{self.name}' has {len(self.coordinates)} coordinates for "
+                f"{len(self.model.frames)} frames; give one for each"
+            )
+
+
+@dataclass(frozen=True)
+class Impedance:
+    """What a controller commands at one instant, in joint space.
+
+    ``stiffness`` and ``damping`` (n, n) act on joint acceleration, [1/s^2] and [1/s]; times M(q)
+    they are Nm/rad and Nms/rad. ``reference`` (n,) is q_hat [rad].
+    """
+
+    stiffness: np.ndarray
+    damping: np.ndarray
+    reference: np.ndarray
+
+
+class Controller:
+    """What drives the robot: joint torques after each ``robot.update``, and their impedance.
+
+    Parameters
+    ----------
+    robot : Robot
+    """
+
+    def __init__(self, robot: Robot):
+        self.robot = robot
+        self.feedforward = np.zeros(robot.n)
+
+    def acceleration(self) -> np.ndarray:
+        """Commanded joint acceleration (n,) [rad/s^2] at the robot's last update."""
+        raise TypeError(f"{type(self).__name__} commands no acceleration")
+
+    def impedance(self) -> Impedance:
+        """Stiffness, damping and reference of the last command."""
+        raise TypeError(f"{type(self).__name__} has no impedance")
+
+    def torque(self) -> np.ndarray:
+        """Joint torque (n,) [Nm] wanted, before the motors' limits: inverse dynamics.
+
+        ``feedforward`` keeps the part that is not feedback.
+        """
+        robot = self.robot
+        acceleration = limited_acceleration(robot, self.acceleration())
+        self.feedforward = robot.bias + robot.passive_damping * robot.dq
+        return robot.mass @ acceleration + self.feedforward
+
+
+class MinimalIntervention(Controller):
+    """Infinite-horizon LQT in joint space over all frames of all behaviours (Sections 6 and 7).
+
+    The Gaussians of every frame are projected into joint space by Table 3 and multiplied in
+    information form, Eqs (5)-(6): ``Lambda = sum_j J_j^T W_j J_j``. Behaviours that were taught
+    apart are combined by the same product, as in the last sequence of Fig. 9. The optimum for
+    unit-mass joints with effort r is closed form, K = (Lambda / r)^(1/2), D = (2 K)^(1/2), so
+    one symmetric eigendecomposition a step gives the command.
+
+    Parameters
+    ----------
+    robot : Robot
+    behaviours : sequence of Behaviour
+    effort : float
+        Cost r of joint acceleration [s^4/rad^2], against the log-likelihood of the movement.
+    prior : Gaussian, optional
+        Joint posture (n,) for directions that no frame determines.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        behaviours: Sequence[Behaviour],
+        *,
+        effort: float = 0.01,
+        prior: Gaussian | None = None,
+    ):
+        if not behaviours:
+            raise ArgumentError("no behaviour was given; give at least one")
+        if not effort > 0:
+            raise ArgumentError(f"effort is {effort}; it must be positive")
+        super().__init__(robot)
+        self.effort = float(effort)
+        experts = [(b.coordinates, b.model.priors, b.model.frames) for b in behaviours]
+        if prior is not None:
+            posture = (Posture("prior", robot.joints),)
+            frame = Gaussian(np.atleast_2d(prior.mean), prior.covariance[None])
+            experts.append((posture, np.ones(1), (frame,)))
+        coordinates = list(dict.fromkeys(c for group, _, _ in experts for c in group))
+        self._evaluate = [c.bind(robot) for c in coordinates]
+        robot.update(robot.lower.clip(-1, 1) * 0, np.zeros(robot.n))
+        sizes = [evaluate()[0].size for evaluate in self._evaluate]
+        ends = np.cumsum(sizes)
+        self._slices = [slice(e - s, e) for s, e in zip(sizes, ends, strict=True)]
+        where = dict(zip(coordinates, self._slices, strict=True))
+        self._mixtures = [_Mixture(*expert, where, int(ends[-1])) for expert in experts]
+        self._y = np.zeros(ends[-1])
+        self._J = np.zeros((ends[-1], robot.n))
+        if all(mixture.single for mixture in self._mixtures):
+            self._fixed = tuple(sum(terms) for terms in zip(*self._information(), strict=True))
+        else:
+            self._fixed = None
+        self._check_determined()
+
+    def _check_determined(self):
+        self._solve()
+        if self._eigenvalues[0] > 1e-9 * self._eigenvalues[-1]:
+            return
+        weakest = np.argmax(np.abs(self._eigenvectors[:, 0]))
+        raise ArgumentError(
+            f"no frame determines the motion of joint '{self.robot.joints[weakest]}'; "
+            "give a prior Gaussian on the joint posture"
+        )
+
+    def _information(self):
+        return [mixture.information(self._y) for mixture in self._mixtures]
+
+    def _solve(self):
+        for evaluate, rows in zip(self._evaluate, self._slices, strict=True):
+            self._y[rows], self._J[rows] = evaluate()
+        if self._fixed is None:
+            W, Wmu = (sum(terms) for terms in zip(*self._information(), strict=True))
+        else:
+            W, Wmu = self._fixed
+        JW = self._J.T @ W
+        self._gradient = self._J.T @ Wmu - JW @ self._y
+        self._eigenvalues, self._eigenvectors = np.linalg.eigh(JW @ self._J)
+
+    def acceleration(self) -> np.ndarray:
+        """Commanded joint acceleration (n,) at the robot's last update."""
+        self._solve()
+        V, root = self._eigenvectors, np.sqrt(self._eigenvalues)
+        r = np.sqrt(self.effort)
+        # K Lambda^-1 g and D dq in the eigenbasis of Lambda.
+        pull = (V.T @ self._gradient) / (r * root)
+        brake = np.sqrt(2 * root / r) * (V.T @ self.robot.dq)
+        return V @ (pull - brake)
+
+    def impedance(self) -> Impedance:
+        """Stiffness, damping and reference of the last :meth:`acceleration`."""
+        V, values = self._eigenvectors, self._eigenvalues
+        stiffness = np.sqrt(values / self.effort)
+        step = V @ ((V.T @ self._gradient) / values)
+        return Impedance(
+            (V * stiffness) @ V.T, (V * np.sqrt(2 * stiffness)) @ V.T, self.robot.q + step
+        )
+
+
+class _Mixture:
+    """One behaviour's precisions, laid out over the stacked coordinates of the controller."""
+
+    def __init__(self, coordinates, priors, frames, where, size):
+        K = len(priors)
+        self.single = K == 1
+        self._W = np.zeros((K, size, size))
+        self._mu = np.zeros((K, size))
+        self._bias = np.log(priors)
+        for coordinate, gaussian in zip(coordinates, frames, strict=True):
+            rows = where[coordinate]
+            self._W[:, rows, rows] = gaussian.precision
+            self._mu[:, rows] = gaussian.mean
+            self._bias = self._bias + 0.5 * np.linalg.slogdet(gaussian.precision)[1]
+        self._Wmu = np.einsum("kab,kb->ka", self._W, self._mu)
+
+    def information(self, y):
+        """Precision and information vector at the stacked observation y: Eq. (49) mixes them."""
+        if self.single:
+            return self._W[0], self._Wmu[0]
+        e = y - self._mu
+        h = self._bias - 0.5 * np.einsum("ka,kab,kb->k", e, self._W, e)
+        h = np.exp(h - h.max())
+        h /= h.sum()
+        return np.tensordot(h, self._W, 1), h @ self._Wmu
+
+
+class FixedImpedance(Controller):
+    """The same torque law with constant gains about a constant posture: the usual impedance.
+
+    Parameters
+    ----------
+    robot : Robot
+    posture : (n,)
+        Reference q_hat [rad].
+    stiffness : float
+        Gain K [1/s^2] of every joint; damping is critical, D = 2 K^(1/2).
+    """
+
+    def __init__(self, robot: Robot, posture, stiffness: float):
+        if not stiffness >= 0:
+            raise ArgumentError(f"stiffness is {stiffness}; it must not be negative")
+        super().__init__(robot)
+        self.posture, self.stiffness = np.array(posture), float(stiffness)
+
+    def acceleration(self) -> np.ndarray:
+        """Commanded joint acceleration (n,) at the robot's last update."""
+        robot = self.robot
+        return self.stiffness * (self.posture - robot.q) - 2 * self.stiffness**0.5 * robot.dq
+
+    def impedance(self) -> Impedance:
+        """Stiffness, damping and reference."""
+        eye = np.eye(self.robot.n)
+        return Impedance(self.stiffness * eye, 2 * self.stiffness**0.5 * eye, self.posture)
+
+
+class GravityCompensation(Controller):
+    """Weightless arms for kinesthetic teaching: gravity torque, light damping, no stiffness.
+
+    Parameters
+    ----------
+    robot : Robot
+    damping : float
+        Of every joint [Nms/rad]: without it the elbow swings.
+    held : tuple of str
+        Joints that are not taught and hold still.
+    posture : (n,), optional
+        Where the held joints are held [rad].
+    """
+
+    def __init__(self, robot: Robot, *, damping: float = 0.5, held=(), posture=None):
+        super().__init__(robot)
+        self._held = np.array([joint in held for joint in robot.joints])
+        self._hold = FixedImpedance(robot, np.zeros(robot.n) if posture is None else posture, 400)
+        self._damping = damping
+
+    def torque(self) -> np.ndarray:
+        """Joint torque (n,) [Nm]."""
+        robot = self.robot
+        self.feedforward = robot.gravity_torque(robot.q)
+        torque = self.feedforward - self._damping * robot.dq
+        if self._held.any():
+            hold = robot.mass @ np.where(self._held, self._hold.acceleration(), 0.0) + robot.bias
+            torque = np.where(self._held, hold, torque)
+        return torque
+
+    def impedance(self) -> Impedance:
+        """No stiffness; the damping is a joint torque, here as an acceleration."""
+        robot = self.robot
+        damping = np.linalg.inv(robot.mass) * self._damping
+        return Impedance(np.zeros((robot.n, robot.n)), damping, robot.q)
+
+
+def limited_acceleration(robot, acceleration, *, rate=40.0, margin_rate=8.0) -> np.ndarray:
+    """Clip joint accelerations so that velocity and position limits are approached, not passed.
+
+    The velocity allowed towards a limit shrinks with the distance to it (``margin_rate`` [1/s]),
+    and is approached at ``rate`` [1/s].
+    """
+    fastest = np.minimum(robot.velocity_limit, margin_rate * (robot.upper - robot.q))
+    slowest = np.maximum(-robot.velocity_limit, margin_rate * (robot.lower - robot.q))
+    high, low = rate * (fastest - robot.dq), rate * (slowest - robot.dq)
+    return np.minimum(np.maximum(acceleration, low), high)
+
+
+def hand_stiffness(robot: Robot, stiffness, site: int) -> np.ndarray:
+    """Physical stiffness (6, 6) at a site, from joint stiffness (n, n) [1/s^2].
+
+    ``(J (M K)^-1 J^T)^-1``: what a slow push at the site meets, N/m and Nm/rad, when the rest of
+    the arm is free to give way.
+    """
+    J = robot.jacobian(site)
+    if not stiffness.any():
+        return np.zeros((6, 6))
+    return np.linalg.inv(J @ np.linalg.solve(robot.mass @ stiffness, J.T))

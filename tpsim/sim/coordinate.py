@@ -1,0 +1,145 @@
+"""Task coordinates y(q) and their Jacobians: what Table 3 projects into joint space.
+
+Each candidate frame of a task is one coordinate of the robot. Around the present posture it is
+an affine map from coordinates to joints, Eqs (39)-(41), ``q = J^+ mu + q - J^+ y``; in
+information form its precision W enters joint space as ``J^T W J``. Orientation is observed as a
+world-aligned rotation vector [rad] from a reference orientation, and the Jacobian is that of the
+rotation vector, so it is exact far from the reference too.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from tpsim.rotation import skew
+from tpsim.sim.robot import Robot
+
+Evaluation = tuple[np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A function y(q) of the robot; :meth:`bind` looks its names up once.
+
+    Parameters
+    ----------
+    name : str
+        What reports call it.
+    """
+
+    name: str
+
+    def bind(self, robot: Robot) -> Callable[[], Evaluation]:
+        """Return a function that gives y (d,) and J (d, n) of the robot's last update."""
+        raise TypeError("a coordinate is one of HandPose, RelativePose, Posture")
+
+    def observe(self, robot: Robot, q) -> np.ndarray:
+        """Observations (T, d) of the postures q (T, n): the data seen from this frame, Eq. (4)."""
+        evaluate = self.bind(robot)
+        observations = []
+        for posture in np.ascontiguousarray(q):
+            robot.update_kinematics(posture)
+            observations.append(evaluate()[0].copy())
+        return np.array(observations)
+
+
+@dataclass(frozen=True)
+class HandPose(Coordinate):
+    """Position [m] and orientation [rad] of a site in the world, Eq. (40): d = 6.
+
+    Parameters
+    ----------
+    site : str
+        Point that is observed.
+    reference : (9,) tuple
+        Rotation matrix, row by row, at which the orientation is zero.
+    """
+
+    site: str
+    reference: tuple[float, ...] = (1, 0, 0, 0, 1, 0, 0, 0, 1)
+
+    labels = ("x [m]", "y [m]", "z [m]", "about x [rad]", "about y [rad]", "about z [rad]")
+
+    def bind(self, robot):
+        """Return a function that gives y (6,) and J (6, n) of the robot's last update."""
+        site, R0 = robot.site(self.site), np.reshape(self.reference, (3, 3)).T.copy()
+        y = np.zeros(6)
+
+        def evaluate():
+            R, p = robot.placement(site)
+            error = R @ R0
+            y[:3], y[3:] = p, pin.log3(error)
+            J = robot.jacobian(site)
+            J[3:] = pin.Jlog3(error).T @ J[3:]
+            return y, J
+
+        return evaluate
+
+
+@dataclass(frozen=True)
+class RelativePose(Coordinate):
+    """Pose of a site seen from another site that moves too, Eq. (41): d = 6.
+
+    Both depend on q, so the Jacobian is the relative one of both chains: "object" and hand
+    move together.
+
+    Parameters
+    ----------
+    site, other : str
+        Point that is observed and the moving frame it is observed from.
+    reference : (9,) tuple
+        Relative rotation matrix, row by row, at which the orientation is zero.
+    """
+
+    site: str
+    other: str
+    reference: tuple[float, ...] = (1, 0, 0, 0, 1, 0, 0, 0, 1)
+
+    labels = HandPose.labels
+
+    def bind(self, robot):
+        """Return a function that gives y (6,) and J (6, n) of the robot's last update."""
+        site, other = robot.site(self.site), robot.site(self.other)
+        R0 = np.reshape(self.reference, (3, 3)).T.copy()
+        y = np.zeros(6)
+
+        def evaluate():
+            R, p = robot.placement(site)
+            R_other, p_other = robot.placement(other)
+            J_other = robot.jacobian(other)
+            J = robot.jacobian(site) - J_other
+            arm = p - p_other
+            J[:3] += skew(arm) @ J_other[3:]
+            error = R_other.T @ R @ R0
+            y[:3], y[3:] = R_other.T @ arm, pin.log3(error)
+            J[:3] = R_other.T @ J[:3]
+            J[3:] = (pin.Jlog3(error).T @ R_other.T) @ J[3:]
+            return y, J
+
+        return evaluate
+
+
+@dataclass(frozen=True)
+class Posture(Coordinate):
+    """Joint angles [rad] of some joints in a fixed frame, Eq. (39): d = number of joints.
+
+    Parameters
+    ----------
+    joints : tuple of str
+        Joint names.
+    """
+
+    joints: tuple[str, ...] = ()
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the dimensions."""
+        return tuple(f"{joint} [rad]" for joint in self.joints)
+
+    def bind(self, robot):
+        """Return a function that gives y (d,) and J (d, n) of the robot's last update."""
+        index = np.array([robot.joints.index(joint) for joint in self.joints])
+        J = np.eye(robot.n)[index]
+        return lambda: (robot.q[index], J)

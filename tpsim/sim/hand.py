@@ -1,0 +1,148 @@
+"""A person's hand that leads the robot: a capped spring and damper on a site."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from tpsim.errors import ArgumentError
+
+
+@dataclass(frozen=True)
+class Path:
+    """Where a hand wants its site to be, sampled on the simulation's clock.
+
+    Parameters
+    ----------
+    position, rotation : (T, 3) m, (T, 3, 3)
+        Pose wanted, tremor and drift included.
+    velocity, angular_velocity : (T, 3) m/s, (T, 3) rad/s
+        Velocity of the intended movement alone: fed into the damper, tremor would only shake.
+    """
+
+    position: np.ndarray
+    rotation: np.ndarray
+    velocity: np.ndarray
+    angular_velocity: np.ndarray
+
+    def __len__(self):
+        return len(self.position)
+
+
+@dataclass(frozen=True)
+class Hand:
+    """Spring and damper between a person's hand and a site, with limited strength.
+
+    Parameters
+    ----------
+    stiffness, damping : float
+        N/m and Ns/m.
+    angular_stiffness, angular_damping : float
+        Nm/rad and Nms/rad; zero for a hand that leads without turning.
+    max_force, max_torque : float
+        Strength [N], [Nm]: the wrench is scaled down to it.
+    """
+
+    stiffness: float = 600.0
+    damping: float = 60.0
+    angular_stiffness: float = 30.0
+    angular_damping: float = 1.5
+    max_force: float = 60.0
+    max_torque: float = 8.0
+
+    def __post_init__(self):
+        for name, value in vars(self).items():
+            if not np.isfinite(value) or value < 0:
+                raise ArgumentError(f"hand {name} is {value}; give a number of at least 0")
+
+    def wrench(self, pose, twist, wanted_pose, wanted_twist) -> np.ndarray:
+        """Force and torque (6,) on the site.
+
+        Parameters
+        ----------
+        pose, wanted_pose : (rotation (3, 3), position (3,))
+            Of the site and of the hand.
+        twist, wanted_twist : (6,)
+            Linear over angular velocity, world-aligned.
+        """
+        (R, p), (R_wanted, p_wanted) = pose, wanted_pose
+        slip = wanted_twist - twist
+        wrench = np.empty(6)
+        wrench[:3] = self.stiffness * (p_wanted - p) + self.damping * slip[:3]
+        turn = pin.log3(R_wanted @ R.T)
+        wrench[3:] = self.angular_stiffness * turn + self.angular_damping * slip[3:]
+        for part, limit in ((wrench[:3], self.max_force), (wrench[3:], self.max_torque)):
+            size = np.sqrt(part @ part)
+            if size > limit:
+                part *= limit / size
+        return wrench
+
+
+@dataclass(frozen=True)
+class Guide:
+    """A hand that leads one site of the robot along a path.
+
+    Parameters
+    ----------
+    name : str
+        What the recording calls it: ``<name>_wrench``, ``<name>_point``.
+    body, site : str
+        Body that is held, and the site of it that follows the path.
+    hand : Hand
+    path : Path
+        Sampled at the simulation's time step, from ``start`` on.
+    relative_to : str, optional
+        Site that carries the path's frame: a person who watches one object while moving another.
+    start : float
+        Time [s] when the hand takes hold; it lets go at the end of the path.
+    """
+
+    name: str
+    body: str
+    site: str
+    hand: Hand
+    path: Path
+    relative_to: str | None = None
+    start: float = 0.0
+
+    def bind(self, simulation) -> "BoundGuide":
+        """The guide in one simulation, its names looked up."""
+        return BoundGuide(self, simulation)
+
+
+class BoundGuide:
+    """A guide at work: ``act`` applies it, ``wrench`` (6,) and ``point`` (3,) say what it did."""
+
+    def __init__(self, guide: Guide, simulation):
+        self.name = guide.name
+        self._guide, self._simulation = guide, simulation
+        self._body = simulation.body(guide.body)
+        self._site = simulation.robot.site(guide.site)
+        self._first = round(guide.start / simulation.timestep)
+        other = guide.relative_to
+        self._other = None if other is None else simulation.robot.site(other)
+        self.wrench, self.point = np.zeros(6), np.zeros(3)
+
+    def act(self, step: int) -> None:
+        """Apply the wrench of this time step."""
+        robot, k = self._simulation.robot, step - self._first
+        R, p = robot.placement(self._site)
+        self.point, self.wrench = p.copy(), np.zeros(6)
+        if not 0 <= k < len(self._guide.path):
+            return
+        twist = robot.jacobian(self._site) @ robot.dq
+        self.wrench = self._guide.hand.wrench((R, p), twist, *self._wanted(k))
+        self._simulation.apply_wrench(self._body, self.wrench, p)
+
+    def _wanted(self, k):
+        path, robot = self._guide.path, self._simulation.robot
+        R, p = path.rotation[k], path.position[k]
+        v, w = path.velocity[k], path.angular_velocity[k]
+        if self._other is not None:
+            R_other, p_other = robot.placement(self._other)
+            moved = robot.jacobian(self._other) @ robot.dq
+            arm = R_other @ p
+            v = moved[:3] + np.array(pin.skew(moved[3:])) @ arm + R_other @ v
+            w = moved[3:] + R_other @ w
+            R, p = R_other @ R, p_other + arm
+        return (R, p), np.concatenate([v, w])

@@ -1,0 +1,126 @@
+"""Roll-outs: a controller drives the robot at 1 kHz, people push and lead it, all is recorded."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from tpsim import rotation
+from tpsim.errors import ArgumentError
+from tpsim.sim.controller import Controller, hand_stiffness
+from tpsim.sim.hand import Guide
+from tpsim.sim.push import Push
+from tpsim.sim.simulation import Simulation
+from tpsim.sim.trial import Trial
+
+RECORD_PERIOD = 0.01
+"""Time [s] between samples of a recording."""
+
+DIVERGED_SPEED = 30.0
+"""Joint speed [rad/s] beyond which a trial is given up as diverged."""
+
+
+def rollout(
+    simulation: Simulation,
+    controller: Controller,
+    start,
+    duration: float,
+    *,
+    sites: Mapping[str, str],
+    people: Sequence[Push | Guide] = (),
+    about: dict | None = None,
+) -> Trial:
+    """Let a controller drive the robot from rest for a while, and record it.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    controller : Controller
+        Bound to ``simulation.robot``.
+    start : (n,)
+        Start posture [rad].
+    duration : float
+        Time [s].
+    sites : mapping
+        Sites to record, by the name that the recording gives them.
+    people : sequence of Push or Guide
+        Who pushes and leads the robot meanwhile.
+    about : dict, optional
+        Kept in the trial.
+
+    Returns
+    -------
+    Trial
+        At 100 Hz; ``outcome`` is ``"diverged"`` where the state became wild, ``"contact"`` where
+        something touched, else ``"done"``.
+    """
+    if not (np.isfinite(duration) and duration > 0):
+        raise ArgumentError(f"duration is {duration} s; give a positive number")
+    robot, h = simulation.robot, simulation.timestep
+    steps, stride = round(duration / h), max(1, round(RECORD_PERIOD / h))
+    outside = [person.bind(simulation) for person in people]
+    log = _Log(simulation, sites)
+    simulation.reset(start)
+    saturated = contacts = 0
+    outcome = "done"
+    limit = robot.torque_limit
+    for step in range(steps):
+        robot.update(simulation.q.copy(), simulation.dq.copy())
+        wanted = controller.torque()
+        torque = np.minimum(np.maximum(wanted, -limit), limit)
+        saturated += not np.array_equal(torque, wanted)
+        simulation.clear_wrenches()
+        for person in outside:
+            person.act(step)
+        if step % stride == 0:
+            log.add(torque, controller, outside, saturated, contacts)
+            if not np.abs(robot.dq).max() < DIVERGED_SPEED:
+                outcome = "diverged"
+                break
+        simulation.step(torque)
+        contacts += simulation.data.ncon > 0
+    if contacts and outcome == "done":
+        outcome = "contact"
+    return Trial(log.arrays(), outcome, about or {})
+
+
+class _Log:
+    """Samples of one roll-out."""
+
+    def __init__(self, simulation, sites):
+        self._simulation = simulation
+        self._sites = {name: simulation.robot.site(site) for name, site in sites.items()}
+        self._rows = []
+
+    def add(self, torque, controller, outside, saturated, contacts):
+        robot = self._simulation.robot
+        impedance = controller.impedance()
+        row = {
+            "time": self._simulation.time,
+            "q": robot.q,
+            "dq": robot.dq,
+            "torque": torque,
+            "torque_feedforward": controller.feedforward,
+            "reference": impedance.reference,
+            "stiffness": np.diagonal(robot.mass @ impedance.stiffness),
+            "damping": np.diagonal(robot.mass @ impedance.damping),
+            "saturated_steps": saturated,
+            "contact_steps": contacts,
+            "push_wrench": np.zeros(6),
+            "push_point": np.zeros(3),
+        }
+        for person in outside:
+            row[f"{person.name}_wrench"] = person.wrench
+            row[f"{person.name}_point"] = person.point
+        for name, site in self._sites.items():
+            R, p = robot.placement(site)
+            row[f"{name}_position"], row[f"{name}_quaternion"] = p.copy(), R.copy()
+            if name.endswith("hand"):
+                row[f"{name}_stiffness"] = hand_stiffness(robot, impedance.stiffness, site)
+        self._rows.append(row)
+
+    def arrays(self):
+        arrays = {name: np.array([row[name] for row in self._rows]) for name in self._rows[0]}
+        for name in self._sites:
+            quaternions = rotation.to_quaternion(arrays[f"{name}_quaternion"])
+            arrays[f"{name}_quaternion"] = rotation.continuous(quaternions)
+        return arrays

@@ -1,0 +1,116 @@
+"""A scene that is stepped: MuJoCo state, motors, and wrenches from outside."""
+
+import mujoco
+import numpy as np
+
+from tpsim.errors import SimulationError
+from tpsim.sim.robot import Robot
+
+
+class Simulation:
+    """One compiled scene with its robot and its state.
+
+    Parameters
+    ----------
+    xml : str
+        MJCF text of the scene. It is compiled from the text and from nothing else, so that the
+        ``scene.xml`` of a run folder repeats the run bit for bit.
+
+    Attributes
+    ----------
+    model, data : mujoco.MjModel, mujoco.MjData
+    robot : Robot
+    home : (n,)
+        Joint angles of the keyframe ``home`` [rad].
+    """
+
+    def __init__(self, xml: str):
+        try:
+            self.model = mujoco.MjModel.from_xml_string(xml)
+        except ValueError as error:
+            raise SimulationError(f"the scene does not compile: {error}") from None
+        self.xml = xml
+        self.data = mujoco.MjData(self.model)
+        self.robot = Robot(self.model)
+        # Slices keep views of MuJoCo's arrays where the robot's joints come first, as ours do.
+        self._qpos, self._dof = _as_slice(self.robot.qpos), _as_slice(self.robot.dof)
+        self._actuator = _as_slice(self.robot.actuator)
+        key = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_KEY, "home")
+        if key < 0:
+            raise SimulationError("the scene has no keyframe 'home'; add one to say how it starts")
+        self.home = self.model.key_qpos[key][self._qpos].copy()
+        self.timestep = float(self.model.opt.timestep)
+
+    def reset(self, q) -> None:
+        """Put the robot at rest at q (n,) and the clock at zero."""
+        q = np.asarray(q, float)
+        robot = self.robot
+        if q.shape != (robot.n,) or not np.isfinite(q).all():
+            raise SimulationError(
+                f"a start posture of shape {q.shape} was given; give {robot.n} finite joint angles"
+            )
+        outside = (q < robot.lower) | (q > robot.upper)
+        if outside.any():
+            names = [robot.joints[i] for i in np.flatnonzero(outside)]
+            raise SimulationError(f"the start posture is outside the limits of {names}")
+        mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[self._qpos] = q
+        mujoco.mj_forward(self.model, self.data)
+
+    @property
+    def q(self) -> np.ndarray:
+        """Joint angles (n,) [rad]."""
+        return self.data.qpos[self._qpos]
+
+    @property
+    def dq(self) -> np.ndarray:
+        """Joint velocities (n,) [rad/s]."""
+        return self.data.qvel[self._dof]
+
+    @property
+    def time(self) -> float:
+        """Time [s]."""
+        return self.data.time
+
+    def body(self, name: str) -> int:
+        """Index of the body called ``name``."""
+        index = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name)
+        if index < 0:
+            known = [self.model.body(b).name for b in range(1, self.model.nbody)]
+            raise SimulationError(f"no body '{name}' in the scene; it has {known}")
+        return index
+
+    def site(self, name: str) -> int:
+        """Index of the site called ``name``."""
+        index = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_SITE, name)
+        if index < 0:
+            known = [self.model.site(s).name for s in range(self.model.nsite)]
+            raise SimulationError(f"no site '{name}' in the scene; it has {known}")
+        return index
+
+    def clear_wrenches(self) -> None:
+        """Take away all wrenches from outside."""
+        self.data.xfrc_applied[:] = 0
+
+    def apply_wrench(self, body: int, wrench, point) -> None:
+        """Add force and torque (6,) on a body, acting at a point (3,) of the world [m]."""
+        # MuJoCo applies at the centre of mass.
+        ax, ay, az = point - self.data.xipos[body]
+        fx, fy, fz = wrench[:3]
+        applied = self.data.xfrc_applied[body]
+        applied += wrench
+        applied[3] += ay * fz - az * fy
+        applied[4] += az * fx - ax * fz
+        applied[5] += ax * fy - ay * fx
+
+    def step(self, torque) -> None:
+        """Advance one time step with joint torques (n,) [Nm]."""
+        self.data.ctrl[self._actuator] = torque
+        mujoco.mj_step(self.model, self.data)
+
+
+def _as_slice(index):
+    first = int(index[0])
+    if np.array_equal(index, np.arange(first, first + len(index))):
+        return slice(first, first + len(index))
+    return index

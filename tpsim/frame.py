@@ -1,0 +1,130 @@
+"""Frames of reference: affine maps from what an observer sees to the common coordinates."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tpsim.errors import ArgumentError
+from tpsim.gaussian import condition_bound, finite_array
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """Affine map x = A X + b from local coordinates X to common coordinates x, Eq. (4).
+
+    A may be a rotation, a scaling, a reflection, a projection or a Jacobian: not always square,
+    rigid, invertible or constant.
+
+    Parameters
+    ----------
+    A : (..., D, d)
+    b : (..., D)
+        Leading axes carry time (a moving frame) and broadcast against those of ``A``.
+
+    Raises
+    ------
+    ArgumentError
+        Wrong shapes, NaN or infinite entries.
+    """
+
+    A: np.ndarray
+    b: np.ndarray
+
+    def __post_init__(self):
+        A, b = finite_array("A", self.A), finite_array("b", self.b)
+        if A.ndim < 2 or 0 in A.shape[-2:] or b.shape[-1:] != A.shape[-2:-1]:
+            raise ArgumentError(
+                f"A has shape {A.shape} and b {b.shape}; they must be (..., D, d) and (..., D)"
+            )
+        try:
+            leading = np.broadcast_shapes(A.shape[:-2], b.shape[:-1])
+        except ValueError as error:
+            raise ArgumentError(
+                f"leading axes of A {A.shape} and b {b.shape} do not match"
+            ) from error
+        object.__setattr__(self, "A", np.broadcast_to(A, (*leading, *A.shape[-2:])))
+        object.__setattr__(self, "b", np.broadcast_to(b, (*leading, b.shape[-1])))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Leading axes: () for a constant frame, (T,) for a moving one."""
+        return self.b.shape[:-1]
+
+    @property
+    def dim(self) -> int:
+        """Dimension D of the common coordinates."""
+        return self.A.shape[-2]
+
+    @property
+    def local_dim(self) -> int:
+        """Dimension d of the local coordinates."""
+        return self.A.shape[-1]
+
+    @cached_property
+    def inverse(self) -> np.ndarray:
+        """Pseudo-inverse of A, (..., d, D)."""
+        return pseudoinverse(self.A)
+
+    def __getitem__(self, index) -> "Frame":
+        """Select along the leading axes, as ``frame[t]`` for the frame at step t."""
+        index = index if isinstance(index, tuple) else (index,)
+        return Frame(
+            self.A[(*index, Ellipsis, slice(None), slice(None))],
+            self.b[(*index, Ellipsis, slice(None))],
+        )
+
+    def to_local(self, x: ArrayLike) -> np.ndarray:
+        """See common points from the frame, Eq. (4): X = A^+ (x - b), (..., d).
+
+        Where A has no inverse its pseudo-inverse answers: the closest, shortest X.
+        """
+        x = _points("x", x, self.dim)
+        return np.matmul(self.inverse, (x - self.b)[..., None])[..., 0]
+
+    def to_common(self, x: ArrayLike) -> np.ndarray:
+        """Carry local points (..., d) to common coordinates: A X + b, (..., D)."""
+        return np.matmul(self.A, _points("x", x, self.local_dim)[..., None])[..., 0] + self.b
+
+    def with_input(self, n: int = 1) -> "Frame":
+        """Lift by ``n`` inputs, such as time, that the frame leaves alone, Eq. (20)."""
+        if n < 1:
+            raise ArgumentError(f"n is {n}; the number of inputs must be at least 1")
+        D, d = self.A.shape[-2:]
+        A = np.zeros((*self.shape, n + D, n + d))
+        A[..., :n, :n] = np.eye(n)
+        A[..., n:, n:] = self.A
+        b = np.concatenate([np.zeros((*self.shape, n)), self.b], axis=-1)
+        return Frame(A, b)
+
+    def with_derivatives(self, n: int) -> "Frame":
+        """Lift to [x, dx, ddx, ...] with ``n`` derivatives of x, Eq. (32) with n = 2.
+
+        The map applies to every derivative, the offset to x alone: the frame's own motion is
+        slow beside the movement.
+        """
+        if n < 0:
+            raise ArgumentError(f"n is {n}; the number of derivatives must not be negative")
+        A = np.kron(np.eye(n + 1), self.A)
+        b = np.concatenate([self.b, np.zeros((*self.shape, n * self.dim))], axis=-1)
+        return Frame(A, b)
+
+
+def pseudoinverse(A: np.ndarray) -> np.ndarray:
+    """Pseudo-inverse of (..., D, d), the plain inverse where A is square and well conditioned."""
+    if A.shape[-1] == A.shape[-2]:
+        try:
+            inverse = np.linalg.inv(A)
+        except np.linalg.LinAlgError:
+            return np.linalg.pinv(A, rcond=1e-10)
+        if np.all(condition_bound(A, inverse) < 1e10):
+            return inverse
+    return np.linalg.pinv(A, rcond=1e-10)
+
+
+def _points(name: str, x: ArrayLike, dim: int) -> np.ndarray:
+    x = finite_array(name, x)
+    if x.shape[-1:] != (dim,):
+        raise ArgumentError(f"{name} has shape {x.shape}; its last axis must be {dim}")
+    return x

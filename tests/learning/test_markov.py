@@ -17,7 +17,7 @@ def chain():
     transitions = rng.dirichlet(np.ones(K), size=K)
     durations = rng.dirichlet(np.ones(L), size=K).T
     densities = rng.normal(scale=3.0, size=(T, K))
-    return tuple(markov.log(p) for p in (start, transitions, durations)) + (densities,)
+    return (*map(markov.log, (start, transitions, durations)), densities)
 
 
 def every_path(start, transitions, densities):

@@ -16,7 +16,7 @@ def log(probability: np.ndarray) -> np.ndarray:
 
 
 def log_sum(values: np.ndarray, axis: int = 0) -> np.ndarray:
-    """log sum exp along an axis; -inf where all values are -inf."""
+    """Log sum exp along an axis; -inf where all values are -inf."""
     top = values.max(axis, keepdims=True)
     top = np.where(np.isfinite(top), top, 0.0)
     return log(np.exp(values - top).sum(axis)) + top.squeeze(axis)
@@ -32,7 +32,7 @@ def normalised(values: np.ndarray) -> np.ndarray:
 
 
 def forward(start: np.ndarray, transitions: np.ndarray, densities: np.ndarray) -> np.ndarray:
-    """log P(x_0 ... x_t, s_t = i), shape (T, K)."""
+    """Log P(x_0 ... x_t, s_t = i), shape (T, K)."""
     alpha = np.empty_like(densities)
     alpha[0] = start + densities[0]
     for t in range(1, len(alpha)):
@@ -41,7 +41,7 @@ def forward(start: np.ndarray, transitions: np.ndarray, densities: np.ndarray) -
 
 
 def backward(transitions: np.ndarray, densities: np.ndarray) -> np.ndarray:
-    """log P(x_{t+1} ... x_{T-1} | s_t = i), shape (T, K)."""
+    """Log P(x_{t+1} ... x_{T-1} | s_t = i), shape (T, K)."""
     beta = np.zeros_like(densities)
     for t in range(len(beta) - 2, -1, -1):
         beta[t] = log_sum(transitions + densities[t + 1] + beta[t + 1], axis=1)
@@ -120,7 +120,7 @@ def backward_segments(
 
 
 def occupancy(segments: Segments, survival: np.ndarray) -> np.ndarray:
-    """log P(x_0 ... x_t, s_t = i), shape (T, K): being in state i, not leaving it.
+    """Log P(x_0 ... x_t, s_t = i), shape (T, K): being in state i, not leaving it.
 
     Sums over the segments that started at or before t and last beyond it; `survival (L, K)`
     is the probability of a stay of at least 1 ... L steps.

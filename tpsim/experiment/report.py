@@ -132,8 +132,8 @@ def _figures_table(figures: Sequence[Measure]) -> str:
     rows = "\n".join(map(_figures_row, figures))
     return (
         '<section>\n<h2>Figures</h2>\n<table class="figures">\n<thead><tr><th>measure</th>'
-        '<th class="number">value</th><th></th><th class="number">limit</th><th></th><th></th></tr></thead>'
-        f"\n<tbody>\n{rows}\n</tbody>\n</table>\n</section>"
+        '<th class="number">value</th><th></th><th class="number">limit</th><th></th><th></th>'
+        f"</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table>\n</section>"
     )
 
 

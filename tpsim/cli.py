@@ -12,10 +12,8 @@ import shlex
 import sys
 from collections.abc import Sequence
 
-import tyro
-
 from tpsim import paths
-from tpsim.commands import COMMANDS
+from tpsim.commands import parse
 from tpsim.errors import ArgumentError, TpsimError
 
 
@@ -24,12 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # small matrices: BLAS threads only hurt
     try:
-        command = tyro.extras.subcommand_cli_from_dict(
-            COMMANDS,
-            prog="tpsim",
-            description="Task-parameterized movement learning on torque-controlled robots.",
-            args=arguments,
-        )
+        command = parse(arguments)
     except SystemExit as usage:
         return int(usage.code or 0)
     try:

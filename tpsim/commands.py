@@ -3,68 +3,25 @@
 What is heavy is imported inside the commands, so that ``tpsim --help`` answers at once.
 """
 
-import difflib
+import dataclasses
 import importlib
 import math
 import os
+import shlex
 import sys
-from collections.abc import Iterable
+import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from tyro.conf import FlagCreatePairsOff, Positional, arg
+import tyro
+from tyro.conf import Positional, arg
 
-from tpsim.errors import ArgumentError
+from tpsim.errors import ArgumentError, RecordingError
+from tpsim.options import Command, SeededCommand, TaskCommand, known, not_negative, positive
 
-TaskName = Annotated[Positional[str], arg(metavar="TASK")]
 BENCHES = ("learning", "retrieval", "control", "simulation")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Command:
-    """What every command has."""
-
-    json: FlagCreatePairsOff[bool] = False
-    """Print one JSON object on stdout and nothing else."""
-
-    def check(self) -> None:
-        """Raise ArgumentError for options that make no sense, before anything heavy happens."""
-
-    def execute(self) -> dict:
-        """Do the work and return what to print."""
-        raise NotImplementedError
-
-
-@dataclass(frozen=True, kw_only=True)
-class TaskCommand(Command):
-    """What every command about one task has."""
-
-    task: TaskName
-    """Name of the task; an unknown name lists all."""
-    folder: Path | None = None
-    """Folder to write to (default: a new one in recordings/)."""
-
-    def check(self) -> None:
-        """Check the task's name and the folder."""
-        from tpsim import tasks
-
-        _known("task", self.task, tasks.names())
-        if self.folder is not None and self.folder.is_file():
-            raise ArgumentError(f"--folder {self.folder} is a file; give a new or empty folder")
-
-
-@dataclass(frozen=True, kw_only=True)
-class SeededCommand(TaskCommand):
-    """What every command that draws random numbers has."""
-
-    seed: int = 0
-    """Seed of everything random; the same seed gives the same recordings."""
-
-    def check(self) -> None:
-        """Check the seed."""
-        super().check()
-        _not_negative("--seed", self.seed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,10 +40,10 @@ class Run(SeededCommand):
     def check(self) -> None:
         """Check the counts."""
         super().check()
-        _positive("--situations", self.situations)
-        _positive("--pushes", self.pushes)
+        positive("--situations", self.situations)
+        positive("--pushes", self.pushes)
         if self.workers is not None:
-            _positive("--workers", self.workers)
+            positive("--workers", self.workers)
 
     def execute(self) -> dict:
         """Run the campaign."""
@@ -114,7 +71,7 @@ class Teach(SeededCommand):
     def check(self) -> None:
         """Check the count."""
         super().check()
-        _positive("--count", self.count)
+        positive("--count", self.count)
 
     def execute(self) -> dict:
         """Teach."""
@@ -133,7 +90,7 @@ class Learn(TaskCommand):
     def check(self) -> None:
         """Check the number of components."""
         super().check()
-        _positive("--components", self.components)
+        positive("--components", self.components)
 
     def execute(self) -> dict:
         """Learn."""
@@ -152,7 +109,7 @@ class Reproduce(SeededCommand):
     def check(self) -> None:
         """Check the situation's number."""
         super().check()
-        _not_negative("--situation", self.situation)
+        not_negative("--situation", self.situation)
 
     def execute(self) -> dict:
         """Reproduce."""
@@ -182,8 +139,8 @@ class Push(Reproduce):
         if not all(map(math.isfinite, self.force)) or not any(self.force):
             given = " ".join(map(str, self.force))
             raise ArgumentError(f"--force {given}: give three finite numbers [N], not all zero")
-        _not_negative("--start", self.start)
-        _positive("--duration", self.duration)
+        not_negative("--start", self.start)
+        positive("--duration", self.duration)
 
     def execute(self) -> dict:
         """Push."""
@@ -210,9 +167,20 @@ class Replay(Command):
 
     def execute(self) -> dict:
         """Replay."""
-        from tpsim.experiment import replay
+        from tpsim.experiment.recording import load_run
+        from tpsim.experiment.replay import compare_runs
 
-        return replay.replay(self.folder)
+        run = load_run(self.folder)
+        line = run.description["command"]
+        command = parse(shlex.split(line)[1:])
+        if not isinstance(command, SeededCommand):
+            raise RecordingError(f"{self.folder} was recorded by {line!r}, which does not repeat")
+        with tempfile.TemporaryDirectory() as folder:
+            options = {"folder": Path(folder)} | (
+                {"video": False} if isinstance(command, Run) else {}
+            )
+            dataclasses.replace(command, **options).execute()
+            return {"command": line, **compare_runs(run, load_run(folder))}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -260,7 +228,7 @@ class Demo(Command):
 
         if self.name is None:
             return {"demos": gallery.titles()}
-        _known("demo", self.name, gallery.titles())
+        known("demo", self.name, gallery.titles())
         return gallery.run(self.name)
 
 
@@ -275,26 +243,17 @@ class Doctor(Command):
         return doctor.examine()
 
 
+def parse(arguments: Sequence[str]) -> Command:
+    """Return the command that ``arguments`` name; exit with 2 where they name none."""
+    return tyro.extras.subcommand_cli_from_dict(
+        COMMANDS,
+        prog="tpsim",
+        description="Task-parameterized movement learning on torque-controlled robots.",
+        args=list(arguments),
+    )
+
+
 COMMANDS = {
     command.__name__.lower(): command
     for command in (Run, Teach, Learn, Reproduce, Push, Replay, Compare, Bench, Demo, Doctor)
 }
-
-
-def _known(kind: str, given: str, allowed: Iterable[str]) -> None:
-    names = sorted(allowed)
-    if given in names:
-        return
-    near = difflib.get_close_matches(given, names, n=1, cutoff=0.5)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
-    raise ArgumentError(f"unknown {kind} {given!r}{hint} (known: {', '.join(names)})")
-
-
-def _positive(name: str, value: float) -> None:
-    if not 0 < value < math.inf:
-        raise ArgumentError(f"{name} {value}: give a number greater than zero")
-
-
-def _not_negative(name: str, value: float) -> None:
-    if not 0 <= value < math.inf:
-        raise ArgumentError(f"{name} {value}: give zero or a greater number")

@@ -36,9 +36,12 @@ def cup_and_sugar() -> str:
     """
     spec = read("baxter")
     _stage(spec, FLOOR)
-    attach(spec, "table", position=(0.8, 0, -0.22))
+    attach(spec, "table", position=(0.7, 0, -0.22))
     hold(spec, "cup", "left_gripper", position=(0, 0, 0.056), axes=((0, 0, 1), (0, -1, 0)))
     hold(spec, "sugar", "right_gripper", position=(0, 0, 0.006))
+    _camera(spec, "hero", position=(2.4, 1.3, 0.75), target=(0.3, 0.05, 0.15), fovy=34)
+    _camera(spec, "hands", position=(1.35, 0.6, 0.4), target=(0.55, 0.06, 0.19), fovy=32)
+    _camera(spec, "side", position=(0.9, 2.9, 0.45), target=(0.35, 0, 0.08), fovy=32)
     spec.add_key(name="home", qpos=HOME)
     return text(spec)
 
@@ -93,9 +96,7 @@ def hold(
     at = _site(spec, site)
     x, y = np.array(axes, float)
     rotation = np.stack([x, y, np.cross(x, y)], axis=1)
-    quaternion = np.empty(4)
-    mujoco.mju_mat2Quat(quaternion, rotation.ravel())
-    frame = at.parent.add_frame(pos=at.pos + np.asarray(position), quat=quaternion)
+    frame = at.parent.add_frame(pos=at.pos + np.asarray(position), quat=_quaternion(rotation))
     _place(spec, name, frame)
 
 
@@ -106,46 +107,77 @@ def text(spec: mujoco.MjSpec) -> str:
 
 
 def _stage(spec: mujoco.MjSpec, floor: float) -> None:
-    """Add sky, floor at height ``floor`` m and light: one soft key with shadow, one fill."""
-    spec.visual.headlight.ambient = (0.3, 0.3, 0.3)
-    spec.visual.headlight.diffuse = (0.18, 0.18, 0.18)
+    """Add sky, a floor at height ``floor`` m that fades into it, and light with one shadow."""
+    sky = (0.89, 0.91, 0.93)
+    spec.stat.extent = 1.6
+    spec.stat.center = (0.3, 0, 0)
+    spec.visual.rgba.haze = (*sky, 1)
+    spec.visual.map.haze = 0.5
+    spec.visual.map.shadowclip = 1.4
+    spec.visual.quality.numslices = 28
+    spec.visual.quality.numstacks = 10
+    spec.visual.quality.numquads = 1
+    spec.visual.headlight.ambient = (0.37, 0.37, 0.37)
+    spec.visual.headlight.diffuse = (0.22, 0.22, 0.22)
     spec.visual.headlight.specular = (0, 0, 0)
     spec.add_texture(
         name="sky",
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
         builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=(0.96, 0.97, 0.98),
-        rgb2=(0.80, 0.83, 0.86),
-        width=256,
-        height=256 * 6,
+        rgb1=(0.80, 0.84, 0.89),
+        rgb2=sky,
+        width=128,
+        height=128 * 6,
     )
     spec.worldbody.add_geom(
         name="floor",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         pos=(0, 0, floor),
-        size=(4, 4, 0.1),
-        rgba=(0.62, 0.64, 0.66, 1),
+        size=(0, 0, 0.1),
+        rgba=(0.95, 0.95, 0.95, 1),
         contype=0,
         conaffinity=0,
     )
     spec.worldbody.add_light(
         name="key",
-        type=mujoco.mjtLightType.mjLIGHT_SPOT,
-        pos=(2.2, 1.6, floor + 3.4),
-        dir=(-1.7, -1.5, -2.6),
-        diffuse=(0.55, 0.55, 0.54),
-        specular=(0.25, 0.25, 0.25),
-        cutoff=50,
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        pos=(1.5, 1.0, floor + 4),
+        dir=(-0.35, -0.45, -1),
+        diffuse=(0.40, 0.40, 0.39),
+        specular=(0.3, 0.3, 0.3),
         castshadow=True,
     )
     spec.worldbody.add_light(
         name="fill",
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        dir=(-0.6, 0.8, -0.7),
-        diffuse=(0.2, 0.2, 0.22),
-        specular=(0, 0, 0),
+        dir=(-0.6, 0.8, -0.4),
+        diffuse=(0.18, 0.18, 0.19),
+        specular=(0.1, 0.1, 0.1),
         castshadow=False,
     )
+
+
+def _camera(
+    spec: mujoco.MjSpec,
+    name: str,
+    position: Sequence[float],
+    target: Sequence[float],
+    fovy: float,
+) -> None:
+    """Add a camera at ``position`` that looks at ``target``, upright, with ``fovy`` degrees."""
+    backward = np.subtract(position, target)
+    right = np.cross((0, 0, 1), backward)
+    up = np.cross(backward, right)
+    axes = [axis / np.linalg.norm(axis) for axis in (right, up, backward)]
+    quaternion = _quaternion(np.stack(axes, axis=1))
+    spec.worldbody.add_camera(name=name, pos=position, quat=quaternion, fovy=fovy)
+
+
+def _quaternion(rotation: np.ndarray) -> np.ndarray:
+    """Return the unit quaternion (w, x, y, z) of a rotation matrix."""
+    quaternion = np.empty(4)
+    mujoco.mju_mat2Quat(quaternion, rotation.ravel())
+    return quaternion
 
 
 def _place(spec: mujoco.MjSpec, name: str, frame: mujoco.MjsFrame) -> None:

@@ -5,10 +5,22 @@ Retrieval" (2016), re-exported flat. Simulation lives in :mod:`tpsim.sim` and ab
 imported where it is used, so that this import needs numpy and scipy alone.
 """
 
+from tpsim.control import projection as projection
+from tpsim.control.feedback import Feedback as Feedback
+from tpsim.control.feedback import Plan as Plan
 from tpsim.control.impedance import impedance as impedance
 from tpsim.control.impedance import impedance_of as impedance_of
+from tpsim.control.lqr import Regulator as Regulator
+from tpsim.control.lqr import lqr as lqr
+from tpsim.control.lqt import lqt as lqt
+from tpsim.control.lqt import lqt_batch as lqt_batch
+from tpsim.control.lqt import receding_horizon as receding_horizon
 from tpsim.control.planar import PlanarChain as PlanarChain
 from tpsim.control.planar import two_armed as two_armed
+from tpsim.control.spring import damping_of as damping_of
+from tpsim.control.spring import spring_damper as spring_damper
+from tpsim.control.system import LinearSystem as LinearSystem
+from tpsim.control.system import integrator as integrator
 from tpsim.demonstration import Demonstration as Demonstration
 from tpsim.errors import TpsimError as TpsimError
 from tpsim.frame import Frame as Frame

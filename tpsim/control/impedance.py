@@ -1,14 +1,18 @@
 """Stiffness and damping from precision: minimal intervention in closed form (Section 6)."""
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from tpsim.control.feedback import Feedback
+from tpsim.control.lqr import Regulator
 from tpsim.errors import ArgumentError
+from tpsim.gaussian import finite_array
 
 _INDEFINITE = 1e-8
 """Relative size of a negative eigenvalue that is still taken for rounding of zero."""
 
 
-def impedance(precision, effort):
+def impedance(precision: ArrayLike, effort: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """Optimal stiffness and damping of a double integrator, infinite horizon, closed form.
 
     The controller u = -stiffness (x - x_hat) - damping dx minimises the integral of
@@ -43,22 +47,19 @@ def impedance(precision, effort):
         If the precision is indefinite or not finite, or the effort is not positive.
 
     """
-    precision = np.asarray(precision, float)
+    precision, effort = finite_array("precision", precision), finite_array("effort", effort)
     if precision.ndim < 2 or precision.shape[-1] != precision.shape[-2]:
         raise ArgumentError(
             f"precision has shape {precision.shape}; give square matrices (..., n, n)"
         )
-    if not np.isfinite(precision).all():
-        raise ArgumentError("precision has entries that are not finite; check the covariances")
-    effort = np.asarray(effort, float)
     if effort.ndim < 2 or effort.shape[-1] == 1:
-        if not (np.isfinite(effort).all() and (effort > 0).all()):
+        if not (effort > 0).all():
             raise ArgumentError(f"effort is {effort}; give a positive number")
         return _scaled_roots(precision / effort)
     return _congruent_roots(precision, effort)
 
 
-def impedance_of(feedback):
+def impedance_of(feedback: Feedback | Regulator) -> tuple[np.ndarray, np.ndarray]:
     """Stiffness and damping inside feedback gains, K_t = [K_p, K_v] (Section 6).
 
     The force law is then u_t = K_p (x_hat_t - x) - K_v dx, up to the feedforward term.
@@ -116,5 +117,6 @@ def _congruent_roots(precision, effort):
         ) from error
     L_transposed = np.swapaxes(L, -1, -2)
     whitened = np.linalg.solve(L, np.swapaxes(half, -1, -2))
-    return tuple(np.linalg.solve(L_transposed, root @ L_transposed)
-                 for root in _scaled_roots(whitened))
+    return tuple(
+        np.linalg.solve(L_transposed, root @ L_transposed) for root in _scaled_roots(whitened)
+    )

@@ -1,8 +1,10 @@
 """Planar kinematics: serial chains and the two-armed figure of Figs 10 and 11."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tpsim.errors import ArgumentError
 
@@ -28,8 +30,8 @@ class PlanarChain:
 
     """
 
-    lengths: tuple
-    joints: tuple | None = None
+    lengths: Sequence[float]
+    joints: Sequence[int] | None = None
     size: int | None = None
 
     def __post_init__(self):
@@ -50,21 +52,21 @@ class PlanarChain:
         object.__setattr__(self, "joints", joints)
         object.__setattr__(self, "size", size)
 
-    def points(self, q):
+    def points(self, q: ArrayLike) -> np.ndarray:
         """Positions of the base, the joints and the tip (..., k + 1, 2) [m] for q (..., n)."""
         steps = self._links(q)
         base = np.zeros((*steps.shape[:-2], 1, 2))
         return np.concatenate([base, np.cumsum(steps, axis=-2)], axis=-2)
 
-    def position(self, q):
+    def position(self, q: ArrayLike) -> np.ndarray:
         """Position of the tip (..., 2) [m] for postures q (..., n) [rad]."""
         return self._links(q).sum(axis=-2)
 
-    def orientation(self, q):
+    def orientation(self, q: ArrayLike) -> np.ndarray:
         """Angle of the last link (...,) [rad], not wrapped."""
         return self._posture(q)[..., list(self.joints)].sum(axis=-1)
 
-    def jacobian(self, q):
+    def jacobian(self, q: ArrayLike) -> np.ndarray:
         """Analytic Jacobian of :meth:`position` (..., 2, n) [m/rad]."""
         steps = self._links(q)
         lever = np.cumsum(steps[..., ::-1, :], axis=-2)[..., ::-1, :]
@@ -73,25 +75,25 @@ class PlanarChain:
         J[..., 1, self.joints] = lever[..., 0]
         return J
 
-    def orientation_jacobian(self, q):
+    def orientation_jacobian(self, q: ArrayLike) -> np.ndarray:
         """Jacobian of :meth:`orientation` (..., 1, n), which is constant."""
         J = np.zeros((*self._posture(q).shape[:-1], 1, self.size))
         J[..., self.joints] = 1.0
         return J
 
-    def _links(self, q):
+    def _links(self, q: ArrayLike) -> np.ndarray:
         """Vectors of the links (..., k, 2) in world axes."""
         angles = np.cumsum(self._posture(q)[..., list(self.joints)], axis=-1)
         return np.stack([np.cos(angles), np.sin(angles)], axis=-1) * np.array(self.lengths)[:, None]
 
-    def _posture(self, q):
+    def _posture(self, q: ArrayLike) -> np.ndarray:
         q = np.asarray(q, float)
         if q.ndim < 1 or q.shape[-1] != self.size:
             raise ArgumentError(f"q has shape {q.shape}; this chain needs (..., {self.size})")
         return q
 
 
-def two_armed(lengths):
+def two_armed(lengths: Sequence[float]) -> tuple[PlanarChain, PlanarChain]:
     """Left and right arm of a body with one trunk link: 5 articulations, Fig. 11.
 
     Parameters
@@ -113,7 +115,7 @@ def two_armed(lengths):
     return left, right
 
 
-def numeric_jacobian(function, q, step=1e-6):
+def numeric_jacobian(function: Callable, q: ArrayLike, step: float = 1e-6) -> np.ndarray:
     """Jacobian of any function of the posture by central differences.
 
     Parameters

@@ -19,35 +19,45 @@ ridge
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
+from tpsim.gaussian import finite_array
 
 DAMPING = 0.01
 """Singular value of a Jacobian below which its pseudo-inverse is damped [m/rad]."""
 
 
-def pseudoinverse(J, damping=DAMPING, ridge=0.0):
+def pseudoinverse(J: ArrayLike, damping: float = DAMPING, ridge: float = 0.0) -> np.ndarray:
     """Right pseudo-inverse J⁺ (..., n, m) of a Jacobian (..., m, n), damped near singularities."""
     U, inverted, Vt, _ = _inverted(J, damping, ridge)
     return np.swapaxes(Vt, -1, -2) @ (inverted[..., None] * np.swapaxes(U, -1, -2))
 
 
-def nullspace(J, damping=DAMPING, ridge=0.0):
+def nullspace(J: ArrayLike, damping: float = DAMPING, ridge: float = 0.0) -> np.ndarray:
     """Nullspace projection N = I - J⁺ J (..., n, n), continuous through singularities."""
     _, inverted, Vt, singular = _inverted(J, damping, ridge)
     taken = (inverted * singular)[..., None] * Vt
     return np.eye(Vt.shape[-1]) - np.swapaxes(Vt, -1, -2) @ taken
 
 
-def joint(n):
+def joint(n: int) -> Frame:
     """Joint-space constraint in a fixed frame, Eq. 39: A = I, b = 0, for n joints."""
     if n < 1:
         raise ArgumentError(f"{n} joints given; a joint frame needs at least one")
     return Frame(np.eye(n), np.zeros(n))
 
 
-def absolute(J, q, x, *, gain=1.0, damping=DAMPING, ridge=0.0):
+def absolute(
+    J: ArrayLike,
+    q: ArrayLike,
+    x: ArrayLike,
+    *,
+    gain: float = 1.0,
+    damping: float = DAMPING,
+    ridge: float = 0.0,
+) -> Frame:
     """Absolute task-space constraint, Eq. 40: A = J⁺, b = q - J⁺ x.
 
     Parameters
@@ -71,7 +81,18 @@ def absolute(J, q, x, *, gain=1.0, damping=DAMPING, ridge=0.0):
     return _task_frame(gain * pseudoinverse(J, damping, ridge), q, -x)
 
 
-def relative(J, q, x, A_object, b_object, *, gain=1.0, clip=None, damping=DAMPING, ridge=0.0):
+def relative(
+    J: ArrayLike,
+    q: ArrayLike,
+    x: ArrayLike,
+    A_object: ArrayLike,
+    b_object: ArrayLike,
+    *,
+    gain: float = 1.0,
+    clip: float | None = None,
+    damping: float = DAMPING,
+    ridge: float = 0.0,
+) -> Frame:
     """Task-space constraint relative to an object, Eq. 41: A = J⁺ A_O, b = q + J⁺ (b_O - x).
 
     Parameters
@@ -96,7 +117,14 @@ def relative(J, q, x, A_object, b_object, *, gain=1.0, clip=None, damping=DAMPIN
     return _task_frame(gain * pseudoinverse(J, damping, ridge), q, error, A_object)
 
 
-def nullspace_joint(J, q, *, gain=1.0, damping=DAMPING, ridge=0.0):
+def nullspace_joint(
+    J: ArrayLike,
+    q: ArrayLike,
+    *,
+    gain: float = 1.0,
+    damping: float = DAMPING,
+    ridge: float = 0.0,
+) -> Frame:
     """Posture in the nullspace of a task, Eq. 42: A = N, b = J⁺ J q.
 
     With a gain k it reads A = k N, b = q - k N q.
@@ -120,7 +148,16 @@ def nullspace_joint(J, q, *, gain=1.0, damping=DAMPING, ridge=0.0):
     return _task_frame(gain * nullspace(J, damping, ridge), q, -q)
 
 
-def nullspace_absolute(J, q, J_other, x_other, *, gain=1.0, damping=DAMPING, ridge=0.0):
+def nullspace_absolute(
+    J: ArrayLike,
+    q: ArrayLike,
+    J_other: ArrayLike,
+    x_other: ArrayLike,
+    *,
+    gain: float = 1.0,
+    damping: float = DAMPING,
+    ridge: float = 0.0,
+) -> Frame:
     """Absolute secondary task in the nullspace, Eq. 43: A = N J~⁺, b = q - N J~⁺ x~.
 
     Parameters
@@ -145,8 +182,19 @@ def nullspace_absolute(J, q, J_other, x_other, *, gain=1.0, damping=DAMPING, rid
     return _task_frame(gain * _secondary(J, J_other, damping, ridge), q, -x_other)
 
 
-def nullspace_relative(J, q, J_other, x_other, A_object, b_object, *,
-                       gain=1.0, clip=None, damping=DAMPING, ridge=0.0):
+def nullspace_relative(
+    J: ArrayLike,
+    q: ArrayLike,
+    J_other: ArrayLike,
+    x_other: ArrayLike,
+    A_object: ArrayLike,
+    b_object: ArrayLike,
+    *,
+    gain: float = 1.0,
+    clip: float | None = None,
+    damping: float = DAMPING,
+    ridge: float = 0.0,
+) -> Frame:
     """Secondary task relative to an object, Eq. 44: A = N J~⁺ A_O, b = q + N J~⁺ (b_O - x~).
 
     Parameters
@@ -207,8 +255,8 @@ def _inverted(J, damping, ridge):
 
 def _checked(J, q, x=None):
     """The arguments as arrays, after comparing the sizes of task and configuration."""
-    J, q = np.asarray(J, float), np.asarray(q, float)
-    x = None if x is None else np.asarray(x, float)
+    J, q = finite_array("J", J), finite_array("q", q)
+    x = None if x is None else finite_array("x", x)
     if J.ndim < 2 or q.ndim < 1 or J.shape[-1] != q.shape[-1]:
         raise ArgumentError(
             f"J has shape {J.shape} and q {q.shape}; give J (..., m, n) and q (..., n)"
@@ -217,6 +265,4 @@ def _checked(J, q, x=None):
         raise ArgumentError(
             f"J has shape {J.shape} and x {x.shape}; give J (..., m, n) and x (..., m)"
         )
-    if not (np.isfinite(J).all() and np.isfinite(q).all() and (x is None or np.isfinite(x).all())):
-        raise ArgumentError("J, q or x is not finite; check the joint angles they come from")
     return J, q, x

@@ -6,7 +6,6 @@ What is heavy is imported inside the commands, so that ``tpsim --help`` answers 
 import dataclasses
 import importlib
 import math
-import os
 import shlex
 import sys
 import tempfile
@@ -48,6 +47,7 @@ class Run(SeededCommand):
     def execute(self) -> dict:
         """Run the campaign."""
         from tpsim.experiment import campaign
+        from tpsim.experiment.doctor import cores
 
         return campaign.run(
             self.task,
@@ -55,7 +55,7 @@ class Run(SeededCommand):
             video=self.video,
             situations=self.situations,
             pushes=self.pushes,
-            workers=self.workers or len(os.sched_getaffinity(0)),
+            workers=self.workers or cores(),
             folder=self.folder,
             progress=sys.stderr.isatty(),
         )

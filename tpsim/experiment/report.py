@@ -16,10 +16,7 @@ from tpsim.experiment.metrics import Measure
 from tpsim.experiment.plot import to_svg
 from tpsim.experiment.whole import write_text
 
-NO_FILM = (
-    "There is no film: it was not asked for, or there is no offscreen renderer. "
-    "Type tpsim doctor to see what to install."
-)
+NO_FILM = "There is no film. To see why, type tpsim doctor; it was perhaps not asked for."
 
 
 @dataclass(frozen=True)
@@ -51,6 +48,7 @@ def write_report(
     sections: Sequence[Section] = (),
     figures: Sequence[Measure] = (),
     film: Path | None = None,
+    no_film: str = NO_FILM,
     lead: str = "",
     notes: Sequence[str] = (),
     about: Mapping[str, object] | None = None,
@@ -70,7 +68,9 @@ def write_report(
     figures : sequence of Measure
         The table of figures, with limits and whether they are kept.
     film : Path, optional
-        An MP4 file to embed; without it the report says how to get one.
+        An MP4 file to embed.
+    no_film : str
+        What to say without it: why there is none, and how to get one.
     lead : str
         The opening paragraph.
     notes : sequence of str
@@ -86,7 +86,7 @@ def write_report(
     body = "\n".join(
         (
             _header(title, lead, about or {}, figures),
-            _film(film),
+            _film(film, no_film),
             _figures_table(figures),
             *map(_section, sections),
             _notes(notes),
@@ -116,9 +116,9 @@ def _header(title: str, lead: str, about: Mapping[str, object], figures: Sequenc
     )
 
 
-def _film(film: Path | None) -> str:
+def _film(film: Path | None, hint: str) -> str:
     if film is None:
-        return f'<p class="hint">{_safe(NO_FILM)}</p>'
+        return f'<p class="hint">{_safe(hint)}</p>'
     source = _data_uri(Path(film).read_bytes(), "video/mp4")
     return (
         '<figure class="film"><video controls muted loop playsinline preload="auto" '

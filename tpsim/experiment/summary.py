@@ -75,6 +75,8 @@ def _words(key: str) -> str:
 def _text(value: Any) -> str:
     if value is None:
         return "-"
+    if value == [] or value == {}:
+        return "nothing"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):

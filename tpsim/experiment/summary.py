@@ -33,7 +33,8 @@ def summary(result: Mapping[str, Any]) -> str:
 
 def _block(group: Mapping[str, Any], indent: str) -> list[str]:
     lines = []
-    width = max((len(_words(key)) for key in group), default=0)
+    leaves = (key for key, value in group.items() if not _is_nested(value))
+    width = max((len(_words(key)) for key in leaves), default=0)
     for key, value in group.items():
         if _is_nested(value):
             lines += ["", f"{indent}{_words(key)}", *_nested(value, indent + "  ")]

@@ -1,0 +1,210 @@
+import json
+import subprocess
+import sys
+import time
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import tpsim.bench
+from tpsim import cli, experiment, paths, tasks
+from tpsim.errors import ArgumentError, RecordingError, SimulationError
+from tpsim.experiment import gallery
+from tpsim.experiment.recording import open_run
+from tpsim.sim.trial import Trial
+
+MODEL = SimpleNamespace(njnt=0, nsite=0)
+
+
+def record(task, *, seed, folder, **_):
+    """A campaign that records two trials drawn from the seed."""
+    command = f"tpsim run {task} --seed {seed}"
+    run = open_run(folder, command=command, configuration={}, seed=seed, scene_xml="", model=MODEL)
+    rng = np.random.default_rng(seed)
+    for index in range(2):
+        run.save(index, Trial({"time": np.arange(9.0), "q": rng.normal(size=(9, 2))}))
+    return {"task": task, "figures": {"tilt_max_deg": np.float64(1.5), "diverged": np.nan}}
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    """Stand in for the campaign: remember how it was called, answer with what it was given."""
+    seen = []
+
+    def called(name):
+        def function(task, **options):
+            print("chatter that must not reach stdout")
+            seen.append((name, task, options))
+            return {"task": task, "figures": {"tilt_max_deg": np.float64(1.5)}, "bad": np.nan}
+
+        return function
+
+    campaign = SimpleNamespace(
+        **{name: called(name) for name in ("run", "teach", "learn", "reproduce", "push")}
+    )
+    monkeypatch.setattr(experiment, "campaign", campaign, raising=False)
+    monkeypatch.setitem(sys.modules, "tpsim.experiment.campaign", campaign)
+    monkeypatch.setattr(tasks, "names", lambda: ("cup", "sugar", "cup-and-sugar"), raising=False)
+    return seen
+
+
+@pytest.fixture
+def run(capsys):
+    """Run a command line: exit code, standard output, standard error."""
+
+    def run(line):
+        capsys.readouterr()
+        code = cli.main(line.split())
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("line", "options"),
+    [
+        (
+            "run cup --seed 3 --no-video --situations 2 --pushes 1 --workers 2",
+            {"seed": 3, "video": False, "situations": 2, "pushes": 1, "workers": 2, "folder": None}
+            | {"progress": False},
+        ),
+        ("teach cup --count 7", {"count": 7, "seed": 0, "folder": None}),
+        ("learn cup --components 3", {"components": 3, "folder": None}),
+        ("reproduce cup --situation 3", {"situation": 3, "seed": 0, "folder": None}),
+        (
+            "push cup --force -20 0 0.5 --start 1 --duration 0.5 --body right_elbow",
+            {"situation": 0, "force": (-20.0, 0.0, 0.5), "start": 1.0, "duration": 0.5, "seed": 0}
+            | {"body": "right_elbow", "folder": None},
+        ),
+    ],
+)
+def test_options_reach_the_campaign_and_json_is_alone_on_stdout(run, calls, line, options):
+    code, out, err = run(line + " --json")
+    assert code == 0
+    assert calls == [(line.split()[0], "cup", options)]
+    assert json.loads(out) == {"task": "cup", "figures": {"tilt_max_deg": 1.5}, "bad": None}
+    assert out.count("\n") == 1
+    assert "chatter" in err
+
+
+def test_without_json_people_read_a_summary(run, calls):
+    code, out, _ = run("learn cup")
+    assert code == 0 and calls
+    assert out.splitlines()[0] == "task  cup"
+    assert "  tilt max deg  1.5" in out
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("run cup-sugar", "unknown task 'cup-sugar'; did you mean 'cup-and-sugar'? (known: cup, "),
+        ("run xyz", "unknown task 'xyz' (known: cup, cup-and-sugar, sugar)"),
+        ("run cup --seed -1", "--seed -1: give zero or a greater number"),
+        ("run cup --situations 0", "--situations 0: give a number greater than zero"),
+        ("run cup --pushes -2", "--pushes -2"),
+        ("run cup --workers 0", "--workers 0"),
+        ("teach cup --count 0", "--count 0"),
+        ("teach cup --count 2.5", "2.5"),
+        ("learn cup --components 0", "--components 0"),
+        ("reproduce cup --situation -1", "--situation -1"),
+        ("push cup --duration -2", "--duration -2.0"),
+        ("push cup --duration 0", "--duration 0.0"),
+        ("push cup --duration nan", "--duration nan"),
+        ("push cup --start -1", "--start -1.0"),
+        ("push cup --force 0 0 0", "--force 0.0 0.0 0.0: give three finite numbers"),
+        ("push cup --force inf 0 0", "--force inf 0.0 0.0"),
+        ("push cup --force 1 2", "--force"),
+        ("bench speed", "speed"),
+        ("demo nothing", "unknown demo 'nothing'"),
+        ("fly", "fly"),
+        ("run", "TASK"),
+    ],
+)
+def test_wrong_usage_is_named_and_nothing_happens(run, calls, line, words):
+    code, out, err = run(line)
+    assert (code, out, calls) == (2, "", [])
+    assert words in err
+
+
+def test_a_folder_that_is_a_file_is_wrong_usage(run, calls, tmp_path):
+    (tmp_path / "file").write_text("")
+    code, _, err = run(f"run cup --folder {tmp_path / 'file'}")
+    assert code == 2 and "is a file" in err and not calls
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (SimulationError("the site left_hand\nis missing"), 1),
+        (RecordingError("truncated"), 1),
+        (PermissionError(13, "Permission denied", "/x"), 1),
+        (ArgumentError("body 'nose' is unknown"), 2),
+    ],
+)
+@pytest.mark.parametrize("as_json", ["", " --json"])
+def test_errors_are_one_line_on_stderr(run, calls, monkeypatch, error, code, as_json):
+    def fail(*_, **__):
+        raise error
+
+    monkeypatch.setattr(experiment.campaign, "run", fail)
+    given, out, err = run("run cup" + as_json)
+    assert (given, out) == (code, "")
+    assert err.count("\n") == 1 and err.startswith("tpsim: ")
+    assert " ".join(str(error).split()) in err
+
+
+def test_an_interruption_says_how_to_go_on(run, calls, monkeypatch):
+    def interrupt(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(experiment.campaign, "run", interrupt)
+    code, out, err = run("run cup --seed 4")
+    assert (code, out) == (1, "")
+    assert err.count("\n") == 1 and "tpsim run cup --seed 4" in err
+
+
+def test_a_recorded_run_replays_bit_for_bit(run, calls, monkeypatch, tmp_path):
+    monkeypatch.setattr(experiment.campaign, "run", record)
+    folder = tmp_path / "run"
+    assert run(f"run cup --seed 5 --folder {folder}")[0] == 0
+    code, out, _ = run(f"replay {folder} --json")
+    result = json.loads(out)
+    assert code == 0
+    assert (result["trials"], result["identical"], result["largest_difference"]) == (2, 2, 0)
+    assert run(f"run cup --folder {folder}")[0] == 1
+    assert run(f"replay {tmp_path}")[0] == 1
+
+
+def test_benchmarks_are_run_by_area(run, monkeypatch):
+    for area in ("learning", "control", "retrieval", "simulation"):
+        bench = SimpleNamespace(run=lambda quick, area=area: {f"{area}_ms": 1 + quick})
+        monkeypatch.setitem(sys.modules, f"tpsim.bench.{area}", bench)
+        monkeypatch.setattr(tpsim.bench, area, bench, raising=False)
+    assert json.loads(run("bench control --quick --json")[1]) == {"control": {"control_ms": 2}}
+    assert len(json.loads(run("bench --json")[1])) == 4
+    assert "learning ms  1" in run("bench learning")[1]
+
+
+def test_demos_are_listed_and_run_by_name(run, monkeypatch, tmp_path):
+    monkeypatch.setattr(paths, "DEMOS", tmp_path)
+    (tmp_path / "tp_gmm.py").write_text('"""TP-GMM."""\ndef main():\n    return {"x": 1}\n')
+    assert json.loads(run("demo --json")[1]) == {"demos": {"tp-gmm": "TP-GMM."}}
+    assert json.loads(run("demo tp-gmm --json")[1])["figures"] == {"x": 1}
+    assert "did you mean 'tp-gmm'" in run("demo tp-gm")[2]
+    assert gallery.titles() == {"tp-gmm": "TP-GMM."}
+
+
+def test_help_is_quick_and_names_every_command():
+    best = np.inf
+    for _ in range(3):
+        start = time.perf_counter()
+        shown = subprocess.run(
+            [sys.executable, "-m", "tpsim.cli", "--help"], capture_output=True, text=True
+        )
+        best = min(best, time.perf_counter() - start)
+    assert shown.returncode == 0
+    names = "run teach learn reproduce push replay compare bench demo doctor"
+    assert all(f"• {name} " in shown.stdout for name in names.split())
+    assert best < 1.0  # 0.2 s on a machine that is not loaded

@@ -29,3 +29,10 @@ from tpsim.gaussian import add_ridge as add_ridge
 from tpsim.gaussian import floor_eigenvalues as floor_eigenvalues
 from tpsim.gaussian import gaussian_product as gaussian_product
 from tpsim.gaussian import match_moments as match_moments
+from tpsim.learning.gmm import GMM as GMM
+from tpsim.learning.gmm import fit_gmm as fit_gmm
+from tpsim.learning.subspace import HDDC as HDDC
+from tpsim.learning.subspace import MFA as MFA
+from tpsim.learning.subspace import MPPCA as MPPCA
+from tpsim.learning.tp_gmm import TPGMM as TPGMM
+from tpsim.learning.tp_gmm import fit_tp_gmm as fit_tp_gmm

@@ -251,14 +251,23 @@ def cholesky(matrix: np.ndarray, name: str) -> np.ndarray:
 
 
 def inverse_spd(matrix: np.ndarray, name: str) -> np.ndarray:
-    """Inverse of symmetric positive definite matrices; ArgumentError where it is meaningless."""
+    """Inverse of symmetric positive definite matrices; ArgumentError where it is meaningless.
+
+    Variables are scaled to unit variance first, so that their units do not matter.
+    """
+    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
+    if not (diagonal > 0).all():
+        raise ArgumentError(_singular(name))
+    scale = 1 / np.sqrt(diagonal)
+    scale = scale[..., :, None] * scale[..., None, :]
+    correlation = matrix * scale
     try:
-        inverse = np.linalg.inv(matrix)
+        inverse = np.linalg.inv(correlation)
     except np.linalg.LinAlgError as error:
         raise ArgumentError(_singular(name)) from error
-    if not np.all(condition_bound(matrix, inverse) < WORST_CONDITION):
+    if not (condition_bound(correlation, inverse) < WORST_CONDITION).all():
         raise ArgumentError(_singular(name))
-    return symmetric(inverse)
+    return symmetric(inverse) * scale
 
 
 def condition_bound(matrix: np.ndarray, inverse: np.ndarray) -> np.ndarray:

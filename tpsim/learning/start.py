@@ -1,0 +1,72 @@
+"""Where EM starts: an equal split in time, or k-means on the stacked frames (App. A)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+
+def split_in_time(time: np.ndarray, components: int) -> np.ndarray:
+    """Labels (N,) of K equal spans of ``time``; of equal counts where a span would be empty."""
+    edges = np.linspace(time.min(), time.max(), components + 1)
+    labels = np.searchsorted(edges[1:-1], time, side="right")
+    if len(np.unique(labels)) < components:
+        order = np.argsort(time, kind="stable")
+        labels = np.empty(len(time), int)
+        labels[order] = np.arange(len(time)) * components // len(time)
+    return labels
+
+
+def standardised(views: Sequence[np.ndarray]) -> np.ndarray:
+    """Views of all frames side by side, (N, sum d_j), every column with unit variance."""
+    stacked = np.hstack(views)
+    deviation = stacked - stacked.mean(0)
+    size = np.abs(deviation).max(0)
+    deviation /= np.where(size > 1e-13 * np.abs(stacked).max(0), size, np.inf)
+    scale = deviation.std(0)
+    return deviation / np.where(scale > 0, scale, 1.0)
+
+
+def kmeans(
+    points: np.ndarray, centres: np.ndarray, max_iterations: int = 100
+) -> tuple[np.ndarray, np.ndarray]:
+    """Lloyd's algorithm from given centres (K, D): labels (N,) and final centres.
+
+    A cluster that loses all its points restarts at the point farthest from its own centre.
+    """
+    squares = np.einsum("nd,nd->n", points, points)
+    previous = np.inf
+    for _ in range(max_iterations):
+        distances = _squared_distances(points, squares, centres)
+        labels = distances.argmin(1)
+        nearest = distances[np.arange(len(points)), labels]
+        for k in np.setdiff1d(np.arange(len(centres)), labels):
+            farthest = nearest.argmax()
+            labels[farthest], nearest[farthest] = k, 0.0
+        counts = np.bincount(labels, minlength=len(centres))
+        one_hot = labels == np.arange(len(centres))[:, None]
+        centres = (one_hot @ points) / np.maximum(counts, 1)[:, None]
+        total = nearest.sum()
+        if abs(previous - total) <= 1e-10 * total:
+            break
+        previous = total
+    return labels, centres
+
+
+def spread_centres(points: np.ndarray, components: int, rng: np.random.Generator) -> np.ndarray:
+    """Starting centres (K, D) far from each other: k-means++ seeding."""
+    squares = np.einsum("nd,nd->n", points, points)
+    centres = points[rng.integers(len(points))][None]
+    nearest = _squared_distances(points, squares, centres)[:, 0]
+    while len(centres) < components:
+        total = nearest.sum()
+        chosen = rng.choice(len(points), p=nearest / total if total > 0 else None)
+        centres = np.vstack([centres, points[chosen]])
+        newest = _squared_distances(points, squares, centres[-1:])[:, 0]
+        nearest = np.minimum(nearest, newest)
+    return centres
+
+
+def _squared_distances(points, squares, centres) -> np.ndarray:
+    cross = points @ centres.T
+    distances = squares[:, None] - 2 * cross + np.einsum("kd,kd->k", centres, centres)
+    return np.maximum(distances, 0.0)

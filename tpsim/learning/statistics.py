@@ -1,0 +1,187 @@
+"""Sufficient statistics of samples seen from several frames: EM as two matrix products.
+
+A Gaussian log density is linear in the features [1, x, vech(x x')] of a sample, and so is a
+log density over independent frames in the features of all frames together. One product with the
+features gives the densities of all samples and components (E-step, Eq. 49); one product of
+responsibilities with the same features gives all weighted moments (M-step, Eqs 50-52). Each
+frame is centred and scaled first, which keeps the cancellation in S = E[x x'] - mu mu' harmless.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tpsim.errors import ArgumentError
+from tpsim.gaussian import LOG_2PI, cholesky
+
+CACHE_BYTES = 2**28  # features are kept up to this size, else made anew in every pass
+BLOCK_BYTES = 2**23  # one block of samples at a time: what stays in the processor's cache
+
+
+@dataclass(frozen=True, eq=False)
+class Components:
+    """K Gaussians in each of G frames of equal dimension: the parameters that EM moves.
+
+    Parameters
+    ----------
+    mean : (G, K, d)
+        Centres.
+    covariance : (G, K, d, d)
+        Covariances.
+    factors : tuple of arrays, optional
+        State of a factor analyser, see :mod:`tpsim.learning.subspace`.
+    """
+
+    mean: np.ndarray
+    covariance: np.ndarray
+    factors: tuple[np.ndarray, ...] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Moments:
+    """Weighted moments of the samples for K components, Eqs (50-52).
+
+    Parameters
+    ----------
+    weight : (K,)
+        Sum of responsibilities.
+    mean : tuple of (G, K, d)
+        Per group of frames.
+    scatter : tuple of (G, K, d, d)
+        Covariance around ``mean``, per group of frames.
+    """
+
+    weight: np.ndarray
+    mean: tuple[np.ndarray, ...]
+    scatter: tuple[np.ndarray, ...]
+
+
+class Samples:
+    """N samples seen from P frames, (N, d_j) each, ready for the passes of EM.
+
+    Attributes
+    ----------
+    groups : tuple of tuples of int
+        Frames of equal dimension are handled together.
+    count : int
+        Number of samples N.
+    """
+
+    def __init__(self, views: Sequence[np.ndarray]):
+        dims = [view.shape[1] for view in views]
+        self.dims = tuple(sorted(set(dims)))
+        self.groups = tuple(tuple(j for j, d in enumerate(dims) if d == dim) for dim in self.dims)
+        self.count = len(views[0])
+        self._triangles = tuple(np.triu_indices(d) for d in self.dims)
+        self._stacks = tuple(np.stack([views[j].T for j in group]) for group in self.groups)
+        self._centres = tuple(stack.mean(-1) for stack in self._stacks)
+        self._scales = tuple(map(_spread, self._stacks, self._centres))
+        self._size = 1 + sum(
+            len(group) * (d + d * (d + 1) // 2)
+            for group, d in zip(self.groups, self.dims, strict=True)
+        )
+        rows = max(64, BLOCK_BYTES // (8 * self._size))
+        self._slices = [slice(n, n + rows) for n in range(0, self.count, rows)]
+        small = 8 * self._size * self.count <= CACHE_BYTES
+        self._cache = [self._features(rows) for rows in self._slices] if small else None
+
+    def log_densities(self, components: Sequence[Components]) -> np.ndarray:
+        """Log density of every sample under every component, all frames together, (N, K)."""
+        weights = self._weights(components)
+        return np.concatenate([(weights @ features).T for _, features in self._blocks()])
+
+    def moments(self, responsibilities: np.ndarray) -> Moments:
+        """Weighted moments for given responsibilities (N, K), Eqs (50-52)."""
+        total = sum(responsibilities[rows].T @ features.T for rows, features in self._blocks())
+        return self._moments(total)
+
+    def expectation(
+        self, priors: np.ndarray, components: Sequence[Components]
+    ) -> tuple[float, Moments]:
+        """Mean log-likelihood, Eq. (49), and the moments it asks for, in one pass."""
+        weights = self._weights(components)
+        weights[:, 0] += np.log(priors)
+        log_likelihood, total = 0.0, 0.0
+        for _, features in self._blocks():
+            joint = weights @ features
+            top = joint.max(0)
+            np.exp(np.subtract(joint, top, out=joint), out=joint)
+            evidence = joint.sum(0)
+            joint /= evidence
+            log_likelihood += top.sum() + np.log(evidence).sum()
+            total = total + joint @ features.T
+        return float(log_likelihood) / self.count, self._moments(total)
+
+    def _blocks(self) -> Iterator[tuple[slice, np.ndarray]]:
+        if self._cache is not None:
+            return zip(self._slices, self._cache, strict=True)
+        return ((rows, self._features(rows)) for rows in self._slices)
+
+    def _features(self, rows: slice) -> np.ndarray:
+        """Features [1, x, vech(x x')] of all frames, one column per sample."""
+        n = len(range(*rows.indices(self.count)))
+        features = np.empty((self._size, n))
+        features[0] = 1.0
+        start = 1
+        for stack, centre, scale, (i, j) in zip(
+            self._stacks, self._centres, self._scales, self._triangles, strict=True
+        ):
+            x = (stack[:, :, rows] - centre[..., None]) / scale[..., None]
+            for part in (x, x[:, i] * x[:, j]):
+                part = part.reshape(-1, n)
+                features[start : start + len(part)] = part
+                start += len(part)
+        return features
+
+    def _weights(self, components: Sequence[Components]) -> np.ndarray:
+        """Coefficients of the log densities in the features, (K, F)."""
+        K = components[0].mean.shape[1]
+        parts = [np.zeros((K, 1))]
+        for group, centre, scale, (i, j) in zip(
+            components, self._centres, self._scales, self._triangles, strict=True
+        ):
+            mean = (group.mean - centre[:, None]) / scale[:, None]
+            W = np.linalg.inv(cholesky(group.covariance, "covariance of a component"))
+            log_det = np.log(np.diagonal(W, axis1=-2, axis2=-1)).sum((0, -1))
+            W *= scale[:, None, None]
+            precision = W.mT @ W
+            information = np.einsum("gkij,gkj->gki", precision, mean)
+            parts[0][:, 0] += log_det - 0.5 * np.einsum("gki,gki->k", information, mean)
+            parts[0][:, 0] -= 0.5 * centre.size * LOG_2PI
+            quadratic = -precision[..., i, j]
+            quadratic[..., i == j] *= 0.5
+            parts += [part.swapaxes(0, 1).reshape(K, -1) for part in (information, quadratic)]
+        return np.hstack(parts)
+
+    def _moments(self, total: np.ndarray) -> Moments:
+        """Weighted sums of the features (K, F) as moments in the units of the data."""
+        K, weight = len(total), total[:, 0]
+        average = total / np.maximum(weight, np.finfo(float).tiny)[:, None]
+        means, scatters, start = [], [], 1
+        for group, d, centre, scale, (i, j) in zip(
+            self.groups, self.dims, self._centres, self._scales, self._triangles, strict=True
+        ):
+            G = len(group)
+            first = average[:, start : start + G * d].reshape(K, G, d).swapaxes(0, 1)
+            start += G * d
+            second = average[:, start : start + G * len(i)].reshape(K, G, -1).swapaxes(0, 1)
+            start += G * len(i)
+            scatter = np.empty((G, K, d, d))
+            scatter[..., i, j] = scatter[..., j, i] = second
+            scatter -= first[..., :, None] * first[..., None, :]
+            means.append(centre[:, None] + scale[:, None] * first)
+            scatters.append(scatter * (scale[:, None, :, None] * scale[:, None, None, :]))
+        return Moments(weight, tuple(means), tuple(scatters))
+
+
+def _spread(stack: np.ndarray, centre: np.ndarray) -> np.ndarray:
+    """Standard deviation of every column (G, d); one where the column is constant."""
+    deviation = np.abs(stack - centre[..., None]).max(-1)
+    size = np.abs(stack).max(-1)
+    if size.max() > 1e100:
+        raise ArgumentError(f"samples reach {size.max():.1e}; change units to stay below 1e100")
+    constant = (deviation <= 1e-13 * size) | (deviation < 1e-100)
+    largest = np.where(constant, 1.0, deviation)
+    spread = ((stack - centre[..., None]) / largest[..., None]).std(-1)
+    return np.where(constant, 1.0, largest * spread)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tpsim.errors import ArgumentError
-from tpsim.experiment import plot
+from tpsim.experiment import canvas, plot
 from tpsim.sim.trial import Trial
 
 
@@ -53,7 +53,7 @@ def test_a_label_keeps_its_colour_in_every_figure(groups):
     beside = plot.panels(groups, tilt, label="tilt [deg]")
     one = plot.overlay(firsts, tilt, label="tilt [deg]")
     colours = [axis.lines[0].get_color() for axis in beside.axes]
-    assert [line.get_color() for line in one.axes[0].lines] == colours == list(plot.PALETTE[:2])
+    assert [line.get_color() for line in one.axes[0].lines] == colours == list(canvas.PALETTE[:2])
     assert one.axes[0].get_legend_handles_labels()[1] == ["minimal", "stiff"]
 
 
@@ -95,16 +95,16 @@ def test_nothing_to_draw_is_said():
 
 def test_svg_is_well_formed_takes_the_ink_of_the_page_and_is_always_the_same(groups):
     def draw():
-        return plot.to_svg(plot.panels(groups, tilt, label="tilt [deg]", limit=5))
+        return canvas.to_svg(plot.panels(groups, tilt, label="tilt [deg]", limit=5))
 
     svg = draw()
     assert svg == draw()
     assert ElementTree.fromstring(svg).tag.endswith("svg")
-    assert "currentColor" in svg and plot.INK not in svg
+    assert "currentColor" in svg and canvas.INK not in svg
 
 
 def test_png_has_the_size_asked_for(groups):
-    png = plot.to_png(plot.panels(groups, tilt, label="tilt [deg]"), dpi=100)
+    png = canvas.to_png(plot.panels(groups, tilt, label="tilt [deg]"), dpi=100)
     assert png[:8] == b"\x89PNG\r\n\x1a\n"
     assert int.from_bytes(png[16:20], "big") == 760
 

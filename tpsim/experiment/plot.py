@@ -1,33 +1,22 @@
-"""Figures of experiments, by Matplotlib's objects: no window, no global state.
+"""Figures of experiments: scalars over time, bars and strips, for any number of controllers.
 
 All share one palette, in the order in which the labels are given: give the same order to every
 figure of a report and a controller keeps its colour.
 """
 
-import io
 from collections.abc import Callable, Mapping, Sequence
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from tpsim.errors import ArgumentError
+from tpsim.experiment.canvas import INK, LIMIT, PUSH, colours, legend, limit_line, new_figure
 from tpsim.experiment.metrics import push_interval
 from tpsim.sim.trial import Trial
 
 Scalar = Callable[[Trial], np.ndarray]
 """What is drawn over time: a function from a trial to (T,)."""
-
-PALETTE = ("#2f7fc1", "#e07b39", "#2a9d76", "#a765c2", "#c9506a", "#8a8f3c")
-"""Colours that hold on light and dark paper, told apart by colour-blind readers."""
-
-INK = "#1c1e21"
-"""Colour of text and axes; a report replaces it by the colour of its own text."""
-
-_PUSH = "#d9a441"
-_LIMIT = {"color": INK, "lw": 1, "ls": (0, (4, 3)), "alpha": 0.7}
 
 
 def panels(
@@ -51,19 +40,20 @@ def panels(
         Drawn as a dashed line.
     """
     _some(groups)
-    figure, axes = _figure(columns=len(groups), height=2.5)
-    for axis, (heading, trials), colour in zip(axes, groups.items(), _colours(groups), strict=True):
+    figure, axes = new_figure(columns=len(groups), height=2.5)
+    for axis, (heading, trials), colour in zip(axes, groups.items(), colours(groups), strict=True):
         curves = [np.asarray(scalar(trial)) for trial in trials]
         for trial, curve in zip(trials, curves, strict=True):
             axis.plot(trial["time"], curve, color=colour, lw=0.7, alpha=_faint(len(trials)))
-        length = min(map(len, curves), default=0)
-        if len(curves) > 2:
-            median = np.median([curve[:length] for curve in curves], axis=0)
-            axis.plot(trials[0]["time"][:length], median, color=colour, lw=2.0)
+        # A trial that was cut short would cut the median short.
+        whole = max(map(len, curves), default=0)
+        if len(kept := [curve for curve in curves if len(curve) == whole]) > 2:
+            clock = next(trial["time"] for trial in trials if len(trial["time"]) == whole)
+            axis.plot(clock, np.median(kept, axis=0), color=colour, lw=2.0)
         _shade_push(axis, trials)
         axis.set_title(heading, color=INK, fontsize=9.5, loc="left", fontweight="bold")
         axis.set_xlabel("time [s]", color=INK)
-    _limit(axes, limit)
+    limit_line(axes, limit)
     axes[0].set_ylabel(label, color=INK)
     return figure
 
@@ -76,8 +66,8 @@ def overlay(
     Parameters are those of :func:`panels`, with one trial under each heading.
     """
     _some(trials)
-    figure, (axis,) = _figure(height=2.7)
-    for (name, trial), colour in zip(trials.items(), _colours(trials), strict=True):
+    figure, (axis,) = new_figure(height=2.7)
+    for (name, trial), colour in zip(trials.items(), colours(trials), strict=True):
         axis.plot(trial["time"], scalar(trial), color=colour, lw=1.8, label=name)
     return _finish(figure, axis, list(trials.values()), label, limit)
 
@@ -90,8 +80,8 @@ def signals(
     Parameters are those of :func:`panels`, with one scalar under each heading.
     """
     _some(scalars)
-    figure, (axis,) = _figure(height=2.7)
-    for (name, scalar), colour in zip(scalars.items(), _colours(scalars), strict=True):
+    figure, (axis,) = new_figure(height=2.7)
+    for (name, scalar), colour in zip(scalars.items(), colours(scalars), strict=True):
         axis.plot(trial["time"], scalar(trial), color=colour, lw=1.8, label=name)
     return _finish(figure, axis, [trial], label, limit)
 
@@ -112,11 +102,9 @@ def paired_bars(
     """
     _some(groups)
     categories = list(dict.fromkeys(name for values in groups.values() for name in values))
-    figure, (axis,) = _figure(height=2.7)
+    figure, (axis,) = new_figure(height=2.7)
     width = 0.8 / len(groups)
-    for i, ((name, values), colour) in enumerate(
-        zip(groups.items(), _colours(groups), strict=True)
-    ):
+    for i, ((name, values), colour) in enumerate(zip(groups.items(), colours(groups), strict=True)):
         places = np.arange(len(categories)) + (i - (len(groups) - 1) / 2) * width
         heights = [values.get(category, np.nan) for category in categories]
         bars = axis.bar(places, heights, 0.9 * width, color=colour, label=name)
@@ -125,9 +113,9 @@ def paired_bars(
     axis.set_xticks(range(len(categories)), categories)
     axis.grid(False, axis="x")
     axis.tick_params(axis="x", length=0)
-    _limit([axis], limit)
+    limit_line([axis], limit)
     axis.set_ylabel(label, color=INK)
-    _legend(axis)
+    legend(axis)
     return figure
 
 
@@ -146,8 +134,8 @@ def strips(
         Drawn as a dashed line.
     """
     _some(groups)
-    figure, (axis,) = _figure(height=0.9 + 0.42 * len(groups))
-    for row, (values, colour) in enumerate(zip(groups.values(), _colours(groups), strict=True)):
+    figure, (axis,) = new_figure(height=0.9 + 0.42 * len(groups))
+    for row, (values, colour) in enumerate(zip(groups.values(), colours(groups), strict=True)):
         # Dots of equal value lie beside each other: the golden ratio spreads any number evenly.
         spread = (np.arange(len(values)) * 0.618) % 1 - 0.5
         axis.scatter(values, row + 0.5 * spread, s=13, color=colour, alpha=0.55, lw=0)
@@ -158,7 +146,7 @@ def strips(
     axis.tick_params(axis="y", length=0)
     axis.set_xlim(left=0)
     if limit is not None:
-        axis.axvline(limit, **_LIMIT)
+        axis.axvline(limit, **LIMIT)
         axis.annotate(
             f"limit {limit:g}",
             (limit, 1),
@@ -172,46 +160,14 @@ def strips(
     return figure
 
 
-def to_svg(figure: Figure) -> str:
-    """Return a figure as one SVG element whose ink is the text colour of the page around it."""
-    file = io.StringIO()
-    with matplotlib.rc_context({"svg.hashsalt": "tpsim"}):
-        figure.savefig(file, format="svg", transparent=True, metadata={"Date": None})
-    svg = file.getvalue()
-    return svg[svg.index("<svg") :].replace(INK, "currentColor").strip()
-
-
-def to_png(figure: Figure, *, dpi: int = 160) -> bytes:
-    """Return a figure as the bytes of a PNG file on white paper."""
-    file = io.BytesIO()
-    figure.savefig(file, format="png", dpi=dpi, facecolor="white")
-    return file.getvalue()
-
-
-def _figure(*, height: float, columns: int = 1) -> tuple[Figure, list[Axes]]:
-    figure = Figure(figsize=(7.6, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = list(figure.subplots(1, columns, sharey=True, squeeze=False)[0])
-    for axis in axes:
-        axis.set_facecolor("none")
-        axis.spines[["top", "right"]].set_visible(False)
-        axis.spines[["left", "bottom"]].set(color=INK, alpha=0.5, linewidth=0.8)
-        axis.grid(color=INK, alpha=0.1, lw=0.7)
-        axis.set_axisbelow(True)
-        axis.tick_params(color=INK, labelcolor=INK, labelsize=8, length=3, width=0.7)
-        for side in (axis.xaxis, axis.yaxis):
-            side.label.set_size(9)
-    return figure, axes
-
-
 def _finish(
     figure: Figure, axis: Axes, trials: Sequence[Trial], label: str, limit: float | None
 ) -> Figure:
     _shade_push(axis, trials)
-    _limit([axis], limit)
+    limit_line([axis], limit)
     axis.set_xlabel("time [s]", color=INK)
     axis.set_ylabel(label, color=INK)
-    _legend(axis)
+    legend(axis)
     return figure
 
 
@@ -221,55 +177,18 @@ def _shade_push(axis: Axes, trials: Sequence[Trial]) -> None:
     if not pushes:
         return
     start, end = min(p[0] for p in pushes), max(p[1] for p in pushes)
-    axis.axvspan(start, end, color=_PUSH, alpha=0.16, lw=0)
+    axis.axvspan(start, end, color=PUSH, alpha=0.16, lw=0)
     axis.text(
         (start + end) / 2,
         0.97,
         "push",
         transform=axis.get_xaxis_transform(),
-        color=_PUSH,
+        color=PUSH,
         ha="center",
         va="top",
         fontsize=8,
         fontweight="bold",
     )
-
-
-def _limit(axes: Sequence[Axes], limit: float | None) -> None:
-    """Draw the limit on axes that share y, and scale them: from zero, with room at the top."""
-    drawn = [axis.dataLim.intervaly for axis in axes]
-    low, high = np.min(drawn), max(np.max(drawn), limit if limit is not None else -np.inf)
-    if low >= 0 and np.isfinite(high) and high > 0:
-        axes[0].set_ylim(0, 1.14 * high)
-    if limit is not None:
-        for axis in axes:
-            axis.axhline(limit, **_LIMIT)
-        axes[-1].annotate(
-            f" limit\n {limit:g}",
-            (1, limit),
-            va="center",
-            fontsize=7.5,
-            color=INK,
-            xycoords=axes[-1].get_yaxis_transform(),
-        )
-
-
-def _legend(axis: Axes) -> None:
-    if len(axis.get_legend_handles_labels()[1]) > 1:
-        axis.legend(
-            loc="lower left",
-            bbox_to_anchor=(0, 1),
-            ncols=4,
-            frameon=False,
-            fontsize=8.5,
-            labelcolor=INK,
-            borderaxespad=0.2,
-            handlelength=1.4,
-        )
-
-
-def _colours(labels: Sequence | Mapping) -> list[str]:
-    return [PALETTE[i % len(PALETTE)] for i in range(len(labels))]
 
 
 def _faint(count: int) -> float:

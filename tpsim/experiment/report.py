@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from tpsim.experiment.canvas import to_svg
 from tpsim.experiment.doctor import versions
 from tpsim.experiment.metrics import Measure
-from tpsim.experiment.plot import to_svg
 from tpsim.experiment.whole import write_text
 
 NO_FILM = "There is no film. To see why, type tpsim doctor; it was perhaps not asked for."

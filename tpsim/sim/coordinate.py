@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from tpsim.rotation import skew
 from tpsim.sim.robot import Robot
 
 Evaluation = tuple[np.ndarray, np.ndarray]
@@ -35,14 +34,16 @@ class Coordinate:
         """Return a function that gives y (d,) and J (d, n) of the robot's last update."""
         raise TypeError("a coordinate is one of HandPose, RelativePose, Posture")
 
-    def observe(self, robot: Robot, q) -> np.ndarray:
-        """Observations (T, d) of the postures q (T, n): the data seen from this frame, Eq. (4)."""
+    def observe(self, robot: Robot, q) -> Evaluation:
+        """Values (T, d) and Jacobians (T, d, n) along the postures q (T, n)."""
         evaluate = self.bind(robot)
-        observations = []
+        values, jacobians = [], []
         for posture in np.ascontiguousarray(q):
             robot.update_kinematics(posture)
-            observations.append(evaluate()[0].copy())
-        return np.array(observations)
+            y, J = evaluate()
+            values.append(y.copy())
+            jacobians.append(J.copy())
+        return np.array(values), np.array(jacobians)
 
 
 @dataclass(frozen=True)
@@ -111,11 +112,12 @@ class RelativePose(Coordinate):
             J_other = robot.jacobian(other)
             J = robot.jacobian(site) - J_other
             arm = p - p_other
-            J[:3] += skew(arm) @ J_other[3:]
-            error = R_other.T @ R @ R0
-            y[:3], y[3:] = R_other.T @ arm, pin.log3(error)
-            J[:3] = R_other.T @ J[:3]
-            J[3:] = (pin.Jlog3(error).T @ R_other.T) @ J[3:]
+            J[:3] += pin.skew(arm) @ J_other[3:]
+            back = R_other.T
+            error = back @ R @ R0
+            y[:3], y[3:] = back @ arm, pin.log3(error)
+            J[:3] = back @ J[:3]
+            J[3:] = (pin.Jlog3(error).T @ back) @ J[3:]
             return y, J
 
         return evaluate

@@ -43,10 +43,10 @@ class Hand:
         Strength [N], [Nm]: the wrench is scaled down to it.
     """
 
-    stiffness: float = 600.0
-    damping: float = 60.0
-    angular_stiffness: float = 30.0
-    angular_damping: float = 1.5
+    stiffness: float = 2000.0
+    damping: float = 120.0
+    angular_stiffness: float = 60.0
+    angular_damping: float = 2.5
     max_force: float = 60.0
     max_torque: float = 8.0
 

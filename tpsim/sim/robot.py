@@ -21,7 +21,8 @@ class Robot:
     Parameters
     ----------
     model : mujoco.MjModel
-        Compiled scene. Joints must be hinges or slides.
+        Compiled scene. Joints must be hinges or slides, each with a motor; the first ``user``
+        value of a joint is its velocity limit.
 
     Attributes
     ----------
@@ -47,12 +48,12 @@ class Robot:
         self.lower = np.where(limited, model.jnt_range[ids, 0], -np.inf)
         self.upper = np.where(limited, model.jnt_range[ids, 1], np.inf)
         self.torque_limit = self._motor_limits(ids)
-        self.velocity_limit = _custom(model, "velocity_limit", self.n)
+        self.velocity_limit = _velocity_limits(model, ids)
         self.passive_damping = model.dof_damping[self.dof].copy()
         self.mass = np.zeros((self.n, self.n))
         self.bias = np.zeros(self.n)
         self.gravity = np.zeros(self.n)
-        self._upper_triangle = np.triu(np.ones((self.n, self.n), bool), 1)
+        self._below = np.tril_indices(self.n, -1)
 
     def _motor_limits(self, ids) -> np.ndarray:
         """Torque limit of each joint, and ``actuator``: the motor that drives it."""
@@ -76,9 +77,9 @@ class Robot:
         pin.computeJointJacobians(model, data, q)
         pin.updateFramePlacements(model, data)
         pin.crba(model, data, q)
+        self.mass = data.M.copy()
         # crba fills the upper triangle only.
-        M = np.triu(data.M)
-        self.mass = M + np.triu(M, 1).T
+        self.mass[self._below] = self.mass.T[self._below]
         self.bias = pin.nonLinearEffects(model, data, q, dq)
         self.q, self.dq = q, dq
 
@@ -109,16 +110,12 @@ class Robot:
         return J.reshape(6, -1)
 
 
-def _custom(model, name, size):
-    """Values of a <custom><numeric>, one per joint; infinite when the model has none."""
-    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_NUMERIC, name)
-    if index < 0:
-        return np.full(size, np.inf)
-    start, count = model.numeric_adr[index], model.numeric_size[index]
-    values = model.numeric_data[start : start + count].copy()
-    if count != size:
-        raise SimulationError(f"<numeric name='{name}'> has {count} values for {size} joints")
-    return values
+def _velocity_limits(model, ids):
+    """First ``user`` value of each joint [rad/s]; infinite where a joint has none."""
+    if not model.nuser_jnt:
+        return np.full(len(ids), np.inf)
+    limits = model.jnt_user[ids, 0]
+    return np.where(limits > 0, limits, np.inf)
 
 
 def _se3(quaternion, position):

@@ -1,0 +1,148 @@
+"""What the cup and sugar behaviours share: the two hands, their frames, where they may be."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tpsim import rotation
+from tpsim.sim import scene
+from tpsim.sim.coordinate import HandPose, Posture, RelativePose
+from tpsim.sim.hand import Guide, Hand
+from tpsim.sim.reach import reach
+from tpsim.sim.script import Variation, script
+from tpsim.sim.simulation import Simulation
+
+SITES = {
+    "left_hand": "left_gripper",
+    "right_hand": "right_gripper",
+    "cup": "cup",
+    "sugar": "sugar",
+    "left_elbow": "left_elbow",
+    "right_elbow": "right_elbow",
+}
+"""Sites that recordings keep, by the name they have there."""
+
+Pose = tuple[np.ndarray, np.ndarray]
+"""Rotation (3, 3) and position (3,) [m] in the world."""
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """Where a hand may be, about its home. Ranges are uniform and to both sides.
+
+    Parameters
+    ----------
+    position : (3,) tuple
+        m.
+    yaw, tilt : float
+        About the vertical, and about any horizontal axis [rad].
+    elbow : float
+        Standard deviation of the posture [rad] that inverse kinematics prefers, so that elbows
+        vary as a person's starting posture does.
+    """
+
+    position: tuple[float, float, float] = (0.12, 0.15, 0.10)
+    yaw: float = 0.6
+    tilt: float = 0.0
+    elbow: float = 0.35
+
+    def offset(self, rng) -> np.ndarray:
+        """A displacement (3,) [m] within the range."""
+        return rng.uniform(-1, 1, 3) * self.position
+
+    def turn(self, rng) -> np.ndarray:
+        """A rotation (3, 3) within the range: yaw after tilt."""
+        heading = rng.uniform(0, 2 * np.pi)
+        lean = self.tilt * rng.uniform(-1, 1) * np.array([np.cos(heading), np.sin(heading), 0])
+        return rotation.exp([0, 0, self.yaw * rng.uniform(-1, 1)]) @ rotation.exp(lean)
+
+
+class Hands:
+    """The two hands of one simulation and what they hold.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Of :func:`tpsim.sim.scene.cup_and_sugar`.
+
+    Attributes
+    ----------
+    cup, sugar : Pose
+        At home.
+    left, right : tuple of str
+        Joints of each arm.
+    """
+
+    def __init__(self, simulation: Simulation):
+        self.simulation = simulation
+        robot = simulation.robot
+        robot.update_kinematics(simulation.home)
+        self.cup, self.sugar = self._pose("cup"), self._pose("sugar")
+        self._grasp = {
+            "cup": ("left", _relative(self._pose("left_gripper"), self.cup)),
+            "sugar": ("right", _relative(self._pose("right_gripper"), self.sugar)),
+        }
+        self.left = tuple(j for j in robot.joints if j.startswith("left_"))
+        self.right = tuple(j for j in robot.joints if j.startswith("right_"))
+
+    def _pose(self, site) -> Pose:
+        R, p = self.simulation.robot.placement(self.simulation.robot.site(site))
+        return R.copy(), p.copy()
+
+    @property
+    def above(self) -> Pose:
+        """The sugar's pose in the cup's frame, at home: its place above the cup."""
+        return _relative(self.cup, self.sugar)
+
+    def coordinates(self) -> dict:
+        """Candidate frames by name: hands in the robot's base, one from the other, postures."""
+        cup, sugar, above = (tuple(R.ravel()) for R, _ in (self.cup, self.sugar, self.above))
+        frames = (
+            HandPose("cup in base", "cup", cup),
+            HandPose("sugar in base", "sugar", sugar),
+            RelativePose("sugar from cup", "sugar", "cup", above),
+            Posture("left posture", self.left),
+            Posture("right posture", self.right),
+        )
+        return {frame.name: frame for frame in frames}
+
+    def reach(self, rng, elbow, **objects: Pose) -> np.ndarray:
+        """Posture (n,) that brings ``cup`` and ``sugar`` to poses, elbows drawn at random."""
+        home = self.simulation.home
+        preferred = home + elbow * rng.standard_normal(home.size)
+        return reach(self.simulation, objects, posture=preferred)
+
+    def guide(self, held, rotations, positions, seconds, rng, *, relative_to=None) -> Guide:
+        """A person's hand on the gripper that leads what it holds along via poses.
+
+        Parameters
+        ----------
+        held : str
+            ``"cup"`` or ``"sugar"``.
+        rotations, positions : (V, 3, 3), (V, 3)
+            Via poses of the held object, in the world or in the site ``relative_to``.
+        """
+        side, (R_grasp, p_grasp) = self._grasp[held]
+        # From the object's pose to that of the gripper that holds it.
+        rotations = np.asarray(rotations) @ R_grasp.T
+        positions = np.asarray(positions) - rotations @ p_grasp
+        timestep = self.simulation.timestep
+        path = script(rotations, positions, seconds, timestep, rng, Variation())
+        site = f"{side}_gripper"
+        return Guide(f"{side}_guide", f"{side}_hand", site, Hand(), path, relative_to)
+
+
+def compose(first: Pose, second: Pose) -> Pose:
+    """The pose ``second``, given in ``first``, in the world."""
+    (R, p), (R_local, p_local) = first, second
+    return R @ R_local, p + R @ p_local
+
+
+def _relative(frame: Pose, pose: Pose) -> Pose:
+    (R, p), (R_world, p_world) = frame, pose
+    return R.T @ R_world, R.T @ (p_world - p)
+
+
+def simulation() -> Simulation:
+    """Baxter with a cup in its left hand and a sugar cube in its right one."""
+    return Simulation(scene.cup_and_sugar())

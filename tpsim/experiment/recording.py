@@ -186,7 +186,10 @@ def _checksum(text: str) -> str:
 
 def _git_commit() -> str | None:
     """Commit of the checkout that runs, marked where files differ from it; None without git."""
-    where = ["git", "-C", str(Path(__file__).parent)]
+    checkout = Path(__file__).parents[2]
+    if not (checkout / "pyproject.toml").is_file():
+        return None
+    where = ["git", "-C", str(checkout)]
     try:
         answer = subprocess.run(
             [*where, "describe", "--always", "--abbrev=40", "--dirty", "--exclude=*"],

@@ -36,3 +36,31 @@ from tpsim.learning.subspace import MFA as MFA
 from tpsim.learning.subspace import MPPCA as MPPCA
 from tpsim.learning.tp_gmm import TPGMM as TPGMM
 from tpsim.learning.tp_gmm import fit_tp_gmm as fit_tp_gmm
+from tpsim.retrieval.distribution import TPTrajectoryDistribution as TPTrajectoryDistribution
+from tpsim.retrieval.distribution import TrajectoryDistribution as TrajectoryDistribution
+from tpsim.retrieval.distribution import (
+    fit_tp_trajectory_distribution as fit_tp_trajectory_distribution,
+)
+from tpsim.retrieval.distribution import fit_trajectory_distribution as fit_trajectory_distribution
+from tpsim.retrieval.distribution import fuse_frames as fuse_frames
+from tpsim.retrieval.dmp import Motion as Motion
+from tpsim.retrieval.dmp import attractor_path as attractor_path
+from tpsim.retrieval.dmp import decay as decay
+from tpsim.retrieval.dmp import forced_attractor as forced_attractor
+from tpsim.retrieval.dmp import forcing_term as forcing_term
+from tpsim.retrieval.gmr import Regression as Regression
+from tpsim.retrieval.gmr import gmr as gmr
+from tpsim.retrieval.gmr import gmr_mixture as gmr_mixture
+from tpsim.retrieval.gp import GaussianProcess as GaussianProcess
+from tpsim.retrieval.gp import SquaredExponential as SquaredExponential
+from tpsim.retrieval.gp import fit_gp as fit_gp
+from tpsim.retrieval.gp_gmm import fit_gp_gmm as fit_gp_gmm
+from tpsim.retrieval.lwr import lwr as lwr
+from tpsim.retrieval.promp import ProMP as ProMP
+from tpsim.retrieval.promp import TPProMP as TPProMP
+from tpsim.retrieval.promp import fit_promp as fit_promp
+from tpsim.retrieval.promp import fit_tp_promp as fit_tp_promp
+from tpsim.retrieval.promp import radial_basis as radial_basis
+from tpsim.retrieval.trajectory import derivative_operator as derivative_operator
+from tpsim.retrieval.trajectory import trajectory as trajectory
+from tpsim.retrieval.trajectory import trajectory_of_states as trajectory_of_states

@@ -1,0 +1,76 @@
+"""Locally weighted regression: a small linear model around every query (Section 8)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tpsim.errors import ArgumentError
+from tpsim.gaussian import WORST_CONDITION, Gaussian, finite_array
+
+
+def lwr(
+    inputs: ArrayLike,
+    outputs: ArrayLike,
+    queries: ArrayLike,
+    width: float,
+    *,
+    degree: int = 1,
+    ridge: float = 1e-4,
+) -> Gaussian:
+    """Locally weighted regression with the spread of the data around it (TP-LWR, Fig. 13).
+
+    At each query a polynomial is fitted by least squares under Gaussian weights; its residuals,
+    under the same weights, give the covariance.
+
+    Parameters
+    ----------
+    inputs
+        (N,), usually the time of every sample of all demonstrations [s].
+    outputs
+        (N, O).
+    queries
+        (T,).
+    width
+        Standard deviation of the Gaussian weights, in the units of the inputs.
+    degree
+        Degree of the local polynomial: 0 averages, 1 is the usual line.
+    ridge
+        Added to the diagonal of the covariance (Eq. 8).
+
+    Returns
+    -------
+    Gaussian with mean (T, O) and covariance (T, O, O).
+
+    Raises
+    ------
+    ArgumentError
+        Shapes that do not fit, or a query whose neighbourhood does not determine the polynomial.
+    """
+    inputs, outputs = finite_array("inputs", inputs), finite_array("outputs", outputs)
+    queries = np.atleast_1d(finite_array("queries", queries))
+    if inputs.ndim != 1 or outputs.ndim != 2 or len(inputs) != len(outputs) or queries.ndim != 1:
+        raise ArgumentError(
+            f"inputs {inputs.shape}, outputs {outputs.shape} and queries {queries.shape} must be "
+            "(N,), (N, O) and (T,)"
+        )
+    if not width > 0 or degree < 0:
+        raise ArgumentError(f"width is {width} and degree {degree}; allowed are > 0 and >= 0")
+    z = (inputs - queries[:, None]) / width
+    h = np.exp(-0.5 * z**2)
+    reached = h.sum(1) > 1e-12
+    if not reached.all():
+        raise ArgumentError(
+            f"The query {queries[~reached][0]:g} is more than 7 widths from every input "
+            f"({inputs.min():g} to {inputs.max():g}). Stay in that range or give a larger width"
+        )
+    h /= h.sum(1, keepdims=True)
+    powers = z[..., None] ** np.arange(degree + 1)
+    weighted = powers.mT * h[:, None]
+    normal = weighted @ powers
+    if not (np.linalg.cond(normal) < WORST_CONDITION).all():
+        raise ArgumentError(f"Too few inputs around a query for degree {degree}; widen the width")
+    polynomial = np.linalg.solve(normal, weighted @ outputs)
+    residual = outputs - powers @ polynomial
+    covariance = (residual * h[..., None]).mT @ residual
+    return Gaussian.trusted(polynomial[:, 0], covariance + ridge * np.eye(outputs.shape[1]))

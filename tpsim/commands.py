@@ -130,8 +130,8 @@ class Push(Reproduce):
     """When the push starts [s]."""
     duration: float = 2.0
     """How long it lasts [s]."""
-    body: str = "left_gripper"
-    """Body or site that is pushed."""
+    body: str = "left_hand"
+    """Body that is pushed; an unknown name lists all."""
 
     def check(self) -> None:
         """Check the push."""

@@ -11,6 +11,12 @@ from tpsim.errors import ArgumentError
 from tpsim.gaussian import finite_array
 
 
+_UNSTABLE = (
+    "no stabilising regulator exists: give Q some weight on every mode that does not vanish by "
+    "itself, or use impedance() or a finite horizon (lqt)"
+)
+
+
 @dataclass(frozen=True, eq=False)
 class Regulator:
     """Stationary optimal feedback u = -gain xi.
@@ -73,8 +79,11 @@ def lqr(
     for index in np.ndindex(leading):
         P[index] = _riccati(A, B, Q[index], R[index], discrete)
     if discrete:
-        return Regulator(np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A), P)
-    return Regulator(np.linalg.solve(R, B.T @ P), P)
+        gain = np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A)
+    else:
+        gain = np.linalg.solve(R, B.T @ P)
+    _check_stable(A - B @ gain, discrete)
+    return Regulator(gain, P)
 
 
 def _riccati(A, B, Q, R, discrete):
@@ -84,10 +93,15 @@ def _riccati(A, B, Q, R, discrete):
         scale = np.trace(R) / len(R)
         return scale * solve(A, B, Q / scale, R / scale)
     except (np.linalg.LinAlgError, ValueError) as error:
-        raise ArgumentError(
-            f"no stabilising regulator exists ({error}): give Q some weight on every mode that "
-            "does not vanish by itself, or use impedance() or a finite horizon (lqt)"
-        ) from error
+        raise ArgumentError(_UNSTABLE) from error
+
+
+def _check_stable(closed_loop, discrete):
+    """Raise where a mode stays for ever; rounding moves a double eigenvalue by 1e-8."""
+    modes = np.linalg.eigvals(closed_loop)
+    growth = np.abs(modes) - 1.0 if discrete else modes.real
+    if (growth > -1e-7).any():
+        raise ArgumentError(_UNSTABLE)
 
 
 def _matrices(system, discrete):

@@ -39,7 +39,7 @@ def cup_and_sugar() -> str:
     attach(spec, "table", position=(0.7, 0, -0.22))
     hold(spec, "cup", "left_gripper", position=(0, 0, 0.056), axes=((0, 0, 1), (0, -1, 0)))
     hold(spec, "sugar", "right_gripper", position=(0, 0, 0.006))
-    _camera(spec, "hero", position=(2.4, 1.3, 0.75), target=(0.3, 0.05, 0.15), fovy=34)
+    _camera(spec, "hero", position=(2.4, 1.3, 0.75), target=(0.32, 0.05, 0.2), fovy=30)
     _camera(spec, "hands", position=(1.35, 0.6, 0.4), target=(0.55, 0.06, 0.19), fovy=32)
     _camera(spec, "side", position=(0.9, 2.9, 0.45), target=(0.35, 0, 0.08), fovy=32)
     spec.add_key(name="home", qpos=HOME)
@@ -108,11 +108,12 @@ def text(spec: mujoco.MjSpec) -> str:
 
 def _stage(spec: mujoco.MjSpec, floor: float) -> None:
     """Add sky, a floor at height ``floor`` m that fades into it, and light with one shadow."""
-    sky = (0.89, 0.91, 0.93)
+    sky = (0.87, 0.895, 0.92)
     spec.stat.extent = 1.6
     spec.stat.center = (0.3, 0, 0)
-    spec.visual.rgba.haze = (*sky, 1)
-    spec.visual.map.haze = 0.5
+    spec.visual.rgba.fog = (*sky, 1)
+    spec.visual.map.fogstart = 2.2
+    spec.visual.map.fogend = 7
     spec.visual.map.shadowclip = 1.4
     spec.visual.quality.numslices = 28
     spec.visual.quality.numstacks = 10
@@ -133,7 +134,7 @@ def _stage(spec: mujoco.MjSpec, floor: float) -> None:
         name="floor",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         pos=(0, 0, floor),
-        size=(0, 0, 0.1),
+        size=(12, 12, 0.1),
         rgba=(0.95, 0.95, 0.95, 1),
         contype=0,
         conaffinity=0,

@@ -1,0 +1,140 @@
+"""Films from recorded movements: what is drawn, how long they last, and what is refused."""
+
+import dataclasses
+
+import imageio_ffmpeg
+import mujoco
+import numpy as np
+import pytest
+from PIL import Image
+
+from tpsim.errors import ArgumentError, RenderingError, SimulationError
+from tpsim.sim import overlay, rendering, scene, video
+
+draws = pytest.mark.skipif(rendering.backend() is None, reason=rendering.HINT)
+SIZE = {"width": 320, "height": 192}
+
+
+@pytest.fixture(scope="module")
+def clip():
+    time = np.linspace(0, 1, 11)
+    point = np.tile([0.6, 0.1, 0.2], (11, 1))
+    return video.Clip(
+        scene=scene.cup_and_sugar(),
+        time=time,
+        q=np.tile(scene.HOME, (11, 1)),
+        title="title",
+        subtitle="subtitle",
+        arrows=(video.Arrow(point, np.tile([20.0, 0, 0], (11, 1))),),
+        traces=(point + time[:, None] * [0, 0, 0.2],),
+        ellipsoids=(video.Ellipsoid(point, np.tile(np.diag([100.0, 400, 900]), (11, 1, 1))),),
+    )
+
+
+@pytest.fixture
+def canvas():
+    model = mujoco.MjModel.from_xml_string("<mujoco/>")
+    return mujoco.MjvScene(model, maxgeom=500)
+
+
+def test_arrow_has_the_direction_of_its_force_and_ends_before_the_point(canvas):
+    point, force = np.array([0.5, 0.2, 0.1]), np.array([0.0, 20, 0])
+    overlay.arrow(canvas, point, force)
+    geom = canvas.geoms[0]
+    np.testing.assert_allclose(geom.mat[:, 2], [0, 1, 0], atol=1e-6)
+    assert geom.pos[1] < point[1]
+
+
+def test_no_force_no_arrow(canvas):
+    overlay.arrow(canvas, np.zeros(3), np.zeros(3))
+    assert canvas.ngeom == 0
+
+
+def test_ellipsoid_axes_grow_with_the_root_of_stiffness(canvas):
+    rotation = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
+    overlay.ellipsoid(canvas, np.zeros(3), rotation @ np.diag([100.0, 400, 900]) @ rotation.T)
+    geom = canvas.geoms[0]
+    np.testing.assert_allclose(geom.size / geom.size[0], [1, 2, 3], rtol=1e-5)
+    np.testing.assert_allclose(np.abs(geom.mat.T @ rotation), np.eye(3), atol=1e-5)
+    assert np.linalg.det(geom.mat) == pytest.approx(1, abs=1e-5)
+
+
+def test_a_long_trace_costs_no_more_than_a_short_one(canvas):
+    overlay.trace(canvas, np.linspace([0, 0, 0], [1, 0, 0], 5000), 0)
+    assert 100 <= canvas.ngeom <= 310
+
+
+def test_caption_changes_the_foot_of_the_picture_only():
+    picture = np.full((192, 320, 3), 200, np.uint8)
+    overlay.Caption("title", "subtitle", 320, 192).draw(picture, 1.0, 20.0)
+    assert (picture[:160] == 200).all()
+    assert (picture[-3:] < 60).all()
+
+
+def test_frames_follow_the_clock_at_the_speed_of_the_clip(clip):
+    frames = video._samples(clip, 10)
+    np.testing.assert_array_equal(frames, [*range(11), *[10] * 5])
+    twice = video._samples(dataclasses.replace(clip, speed=2.0), 10)
+    np.testing.assert_array_equal(twice, [0, 2, 4, 6, 8, 10, 10, 10, 10, 10, 10])
+
+
+@draws
+def test_film_has_every_frame_of_every_clip(clip, tmp_path):
+    path = video.film([clip, clip], tmp_path / "film.mp4", fps=5, **SIZE)
+    frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(path))
+    assert frames == 2 * len(video._samples(clip, 5))
+    assert seconds == pytest.approx(frames / 5, abs=0.21)
+    assert [p.name for p in tmp_path.iterdir()] == ["film.mp4"]
+
+
+@draws
+def test_still_shows_the_robot_and_repeats(clip, tmp_path):
+    first = np.asarray(Image.open(video.still(clip, 0.5, tmp_path / "a.png", **SIZE)))
+    again = np.asarray(Image.open(video.still(clip, 0.5, tmp_path / "b.png", **SIZE)))
+    assert first.shape == (192, 320, 3)
+    red = (first[..., 0] > 90) & (first[..., 1] < 40)
+    assert red.mean() > 0.01
+    np.testing.assert_array_equal(first, again)
+
+
+def test_without_a_renderer_the_error_names_the_packages(clip, tmp_path, monkeypatch):
+    monkeypatch.setattr(rendering, "backend", lambda: None)
+    with pytest.raises(RenderingError, match="libegl1"):
+        video.film([clip], tmp_path / "film.mp4", **SIZE)
+    assert not list(tmp_path.iterdir())
+
+
+def test_probe_survives_a_backend_that_cannot_be_imported():
+    assert not rendering._draws("no such backend")
+
+
+def test_unknown_camera_names_those_that_exist(clip, tmp_path):
+    with pytest.raises(SimulationError, match=r"no camera 'moon'.*hero.*hands.*side"):
+        video.still(clip, 0, tmp_path / "a.png", camera="moon")
+
+
+def test_unknown_object_is_refused(clip, tmp_path):
+    lost = dataclasses.replace(clip, objects={"ball": np.zeros((11, 3))})
+    with pytest.raises(SimulationError, match="no object 'ball'"):
+        video.still(lost, 0, tmp_path / "a.png")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"q": np.zeros((5, 14))}, r"q of a clip has shape \(5, 14\): give \(11, 14\)"),
+        ({"traces": (np.zeros((11, 2)),)}, r"trace .* give \(11, 3\)"),
+        ({"q": np.full((11, 14), np.nan)}, "not finite"),
+        ({"objects": {"ball": np.zeros((11, 4))}}, r"\(11, 3\) or \(11, 7\)"),
+        ({"speed": 0.0}, "positive"),
+        ({"time": np.zeros(11)}, "increasing"),
+    ],
+)
+def test_clips_that_do_not_fit_are_refused(clip, change, message):
+    with pytest.raises(ArgumentError, match=message):
+        dataclasses.replace(clip, **change)
+
+
+def test_a_film_needs_a_clip(tmp_path):
+    with pytest.raises(ArgumentError, match="at least one"):
+        video.film([], tmp_path / "film.mp4")

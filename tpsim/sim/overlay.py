@@ -1,0 +1,97 @@
+"""What is drawn over a scene: force arrows, traces, stiffness ellipsoids, captions."""
+
+import mujoco
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+_ARROW = (0.95, 0.50, 0.08, 1.0)
+_TRACES = ((0.10, 0.45, 0.62, 1.0), (0.80, 0.22, 0.24, 1.0), (0.30, 0.55, 0.25, 1.0))
+_ELLIPSOID = (0.16, 0.52, 0.72, 0.38)
+_METRES_PER_NEWTON = 0.011
+_GAP = 0.04  # m between the tip of an arrow and its point
+_SMALLEST_FORCE = 0.1  # N that is shown
+_SEGMENTS = 150  # of a trace, so that its cost does not grow with its length
+_AXIS = 0.05  # m for 500 N/m
+_SMALLEST, _LARGEST = 0.008, 0.16  # m, of a semi-axis
+
+
+def arrow(scene: mujoco.MjvScene, point: np.ndarray, force: np.ndarray) -> None:
+    """Draw a force (3,) N whose tip points at ``point (3,)``, from just outside of the hand."""
+    size = np.linalg.norm(force)
+    if size < _SMALLEST_FORCE:
+        return
+    geom = _new(scene, mujoco.mjtGeom.mjGEOM_ARROW, _ARROW)
+    tip = point - _GAP * force / size
+    tail = tip - _METRES_PER_NEWTON * force
+    mujoco.mjv_connector(geom, mujoco.mjtGeom.mjGEOM_ARROW, 0.011, tail, tip)
+
+
+def trace(scene: mujoco.MjvScene, path: np.ndarray, colour: int) -> None:
+    """Draw a path (T, 3) as a line that fades into the past."""
+    path = path[:: max(1, len(path) // _SEGMENTS)]
+    for i in range(len(path) - 1):
+        *rgb, _ = _TRACES[colour % len(_TRACES)]
+        age = 1 - (i + 1) / len(path)
+        geom = _new(scene, mujoco.mjtGeom.mjGEOM_LINE, (*rgb, 1 - 0.75 * age))
+        geom.emission = 0.6
+        mujoco.mjv_connector(geom, mujoco.mjtGeom.mjGEOM_LINE, 4, path[i], path[i + 1])
+
+
+def ellipsoid(scene: mujoco.MjvScene, centre: np.ndarray, stiffness: np.ndarray) -> None:
+    """Draw a stiffness (3, 3) N/m; a semi-axis is proportional to the root of its eigenvalue."""
+    values, axes = np.linalg.eigh((stiffness + stiffness.T) / 2)
+    axes[:, 0] *= np.sign(np.linalg.det(axes))
+    size = np.clip(_AXIS * np.sqrt(np.maximum(values, 0) / 500), _SMALLEST, _LARGEST)
+    geom = _new(scene, mujoco.mjtGeom.mjGEOM_ELLIPSOID, _ELLIPSOID)
+    geom.size[:] = size
+    geom.pos[:] = centre
+    geom.mat[:] = axes
+
+
+def _new(scene: mujoco.MjvScene, kind: mujoco.mjtGeom, rgba: tuple) -> mujoco.MjvGeom:
+    """Return a fresh geom at the end of the scene."""
+    geom = scene.geoms[scene.ngeom]
+    mujoco.mjv_initGeom(
+        geom, kind, np.ones(3), np.zeros(3), np.eye(3).ravel(), np.array(rgba, np.float32)
+    )
+    geom.category = mujoco.mjtCatBit.mjCAT_DECOR
+    scene.ngeom += 1
+    return geom
+
+
+class Caption:
+    """A bar at the foot of the picture: title, subtitle, the clock and the push that acts."""
+
+    def __init__(self, title: str, subtitle: str, width: int, height: int):
+        unit = height / 720
+        self._bar = round(60 * unit)
+        self._width = width
+        self._margin = round(28 * unit)
+        self._font = _font("DejaVuSans.ttf", 19 * unit)
+        self._image = Image.new("RGB", (width, self._bar), (24, 28, 34))
+        pen = ImageDraw.Draw(self._image)
+        bold = _font("DejaVuSans-Bold.ttf", 22 * unit)
+        middle = self._bar // 2
+        pen.text((self._margin, middle), title, "white", bold, anchor="lm")
+        after = self._margin + pen.textlength(title, bold) + round(18 * unit)
+        pen.text((after, middle + 1), subtitle, (176, 184, 194), self._font, anchor="lm")
+
+    def draw(self, picture: np.ndarray, time: float, force: float) -> None:
+        """Draw the bar into ``picture (height, width, 3)``: ``time`` s, ``force`` N if any."""
+        image = self._image.copy()
+        pen = ImageDraw.Draw(image)
+        right, middle = self._width - self._margin, self._bar // 2
+        pen.text((right, middle), f"{time:5.1f} s", (176, 184, 194), self._font, anchor="rm")
+        if force >= _SMALLEST_FORCE:
+            right -= pen.textlength("000.0 s", self._font) + self._margin
+            colour = tuple(round(255 * c) for c in _ARROW[:3])
+            pen.text((right, middle), f"push {force:.0f} N", colour, self._font, anchor="rm")
+        below = picture[-self._bar :]
+        below[:] = (0.12 * below + 0.88 * np.asarray(image)).astype(np.uint8)
+
+
+def _font(name: str, size: float) -> ImageFont.FreeTypeFont:
+    """Load one of matplotlib's fonts."""
+    from matplotlib import get_data_path
+
+    return ImageFont.truetype(f"{get_data_path()}/fonts/ttf/{name}", round(size))

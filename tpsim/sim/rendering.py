@@ -1,0 +1,64 @@
+"""Which offscreen renderer works on this machine.
+
+Importing mujoco with a ``MUJOCO_GL`` that does not work can fail, so the variable is never set in
+this process: each candidate is tried in a process of its own, and films are drawn in workers.
+"""
+
+import functools
+import os
+import subprocess
+import sys
+
+from tpsim.errors import RenderingError
+
+BACKENDS = {"linux": ("egl", "osmesa"), "darwin": ("cgl",), "win32": ("wgl",)}
+"""Values of ``MUJOCO_GL`` that draw without a window, by ``sys.platform``."""
+
+HINT = (
+    "no offscreen rendering here: apt-get install -y --no-install-recommends"
+    " libegl1 libegl-mesa0 libgl1-mesa-dri libgl1 libgles2"
+)
+"""What to do where no renderer works, in one line."""
+
+_PROBE = """
+import mujoco
+model = mujoco.MjModel.from_xml_string("<mujoco/>")
+with mujoco.Renderer(model, 16, 16) as renderer:
+    renderer.update_scene(mujoco.MjData(model))
+    renderer.render()
+"""
+
+
+@functools.cache
+def backend() -> str | None:
+    """Return the value of ``MUJOCO_GL`` that draws here, or None; probed once per process."""
+    candidates = BACKENDS.get(sys.platform, BACKENDS["linux"])
+    return next((name for name in candidates if _draws(name)), None)
+
+
+def environment() -> dict[str, str]:
+    """Return the environment variables of a process that draws.
+
+    Raises
+    ------
+    RenderingError
+        If nothing draws here; the message names the packages to install.
+    """
+    name = backend()
+    if name is None:
+        raise RenderingError(HINT)
+    return {**os.environ, "MUJOCO_GL": name}
+
+
+def _draws(name: str) -> bool:
+    """Whether a process of its own can draw with ``MUJOCO_GL=name``."""
+    try:
+        probe = subprocess.run(
+            [sys.executable, "-c", _PROBE],
+            env={**os.environ, "MUJOCO_GL": name},
+            capture_output=True,
+            timeout=60,
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+    return probe.returncode == 0

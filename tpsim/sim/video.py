@@ -1,0 +1,274 @@
+"""Films and stills of recorded trials, drawn after the simulation in processes of their own."""
+
+import contextlib
+import pickle
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from tpsim.errors import ArgumentError, RenderingError, SimulationError
+from tpsim.sim import rendering
+
+_END = 0.6  # s for which the last picture of a clip stays
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """A force that is drawn as an arrow pushing at its point.
+
+    Parameters
+    ----------
+    point : (T, 3)
+        Where it acts, m.
+    force : (T, 3)
+        The force, N; nothing is drawn while it is zero.
+    """
+
+    point: np.ndarray
+    force: np.ndarray
+
+
+@dataclass(frozen=True)
+class Ellipsoid:
+    """A stiffness that is drawn as an ellipsoid, long where it is stiff.
+
+    Parameters
+    ----------
+    centre : (T, 3)
+        Usually a hand, m.
+    stiffness : (T, 3, 3)
+        Translational stiffness, N/m; the semi-axes grow with the roots of its eigenvalues.
+    """
+
+    centre: np.ndarray
+    stiffness: np.ndarray
+
+
+@dataclass(frozen=True)
+class Clip:
+    """One sequence of a film: a recorded movement and what is drawn over it.
+
+    Parameters
+    ----------
+    scene : str
+        MJCF text.
+    time : (T,)
+        Increasing, s.
+    q : (T, n)
+        Joint positions in the order of the scene, rad.
+    title, subtitle : str
+        Caption; none without a title.
+    arrows : tuple of Arrow
+    traces : tuple of (T, 3)
+        Paths of points, drawn up to the present, m.
+    ellipsoids : tuple of Ellipsoid
+    objects : dict of str to (T, 3) or (T, 7)
+        Position, or position and quaternion (w, x, y, z), of mocap bodies of the scene.
+    camera : str
+        A camera of the scene; without it the film's.
+    speed : float
+        Film time runs this many times faster than the recording.
+
+    Raises
+    ------
+    ArgumentError
+        If shapes do not fit the time or a value is not finite.
+    """
+
+    scene: str
+    time: np.ndarray
+    q: np.ndarray
+    title: str = ""
+    subtitle: str = ""
+    arrows: tuple[Arrow, ...] = ()
+    traces: tuple[np.ndarray, ...] = ()
+    ellipsoids: tuple[Ellipsoid, ...] = ()
+    objects: dict[str, np.ndarray] = field(default_factory=dict)
+    camera: str = ""
+    speed: float = 1.0
+
+    def __post_init__(self):
+        length = np.size(self.time)
+        if np.ndim(self.time) != 1 or length == 0 or (np.diff(self.time) <= 0).any():
+            raise ArgumentError("time of a clip: give one row of increasing seconds")
+        if not self.speed > 0:
+            raise ArgumentError(f"speed {self.speed} of a clip: give a positive number")
+        tails = [("time", self.time, ((),)), ("q", self.q, ((np.shape(self.q)[-1],),))]
+        tails += [("trace", trace, ((3,),)) for trace in self.traces]
+        for arrow in self.arrows:
+            tails += [("point", arrow.point, ((3,),)), ("force", arrow.force, ((3,),))]
+        for shape in self.ellipsoids:
+            tails += [("centre", shape.centre, ((3,),)), ("stiffness", shape.stiffness, ((3, 3),))]
+        tails += [(name, pose, ((3,), (7,))) for name, pose in self.objects.items()]
+        for name, array, allowed in tails:
+            if np.shape(array) not in [(length, *tail) for tail in allowed]:
+                wanted = " or ".join(str((length, *tail)) for tail in allowed)
+                raise ArgumentError(
+                    f"{name} of a clip has shape {np.shape(array)}: give {wanted}, as its time"
+                )
+            if not np.isfinite(array).all():
+                raise ArgumentError(f"{name} of a clip has values that are not finite")
+
+
+def film(
+    clips: Sequence[Clip],
+    path: str | Path,
+    *,
+    camera: str = "hero",
+    width: int = 1280,
+    height: int = 720,
+    fps: int = 25,
+) -> Path:
+    """Write a film (H.264) of clips one after the other; return its path.
+
+    Two workers draw every other frame. The file appears under its name when it is whole.
+
+    Raises
+    ------
+    RenderingError
+        If nothing draws here; the message names the packages to install.
+    SimulationError
+        If a scene lacks a camera, a joint or an object that a clip names.
+    """
+    import imageio_ffmpeg
+
+    if not clips:
+        raise ArgumentError("no clips were given: give at least one")
+    frames = [(i, sample) for i, clip in enumerate(clips) for sample in _samples(clip, fps)]
+    unfinished = _unfinished(path, ".mp4")
+    writer = imageio_ffmpeg.write_frames(
+        str(unfinished),
+        (width, height),
+        fps=fps,
+        codec="libx264",
+        quality=None,
+        output_params=["-crf", "20", "-preset", "veryfast", "-movflags", "+faststart"],
+    )
+    try:
+        with contextlib.closing(writer):
+            writer.send(None)
+            for picture in _pictures(clips, frames, camera, width, height, workers=2):
+                writer.send(picture)
+        return unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def still(
+    clip: Clip,
+    time: float,
+    path: str | Path,
+    *,
+    camera: str = "hero",
+    width: int = 1280,
+    height: int = 720,
+) -> Path:
+    """Write the picture of a clip at ``time`` s as PNG, with smoothed edges; return its path.
+
+    Raises
+    ------
+    RenderingError, SimulationError
+        As :func:`film`.
+    """
+    from PIL import Image
+
+    sample = _at(clip, np.array([time]))[0]
+    (picture,) = _pictures([clip], [(0, sample)], camera, width, height, antialias=4)
+    unfinished = _unfinished(path, ".png")
+    Image.frombytes("RGB", (width, height), picture).save(unfinished)
+    return unfinished.replace(path)
+
+
+def _unfinished(path: str | Path, suffix: str) -> Path:
+    """Return the name, beside ``path``, of a file that is not whole yet."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path.with_name(f".{path.stem}-unfinished{suffix}")
+
+
+def _samples(clip: Clip, fps: int) -> np.ndarray:
+    """Index of the sample that each frame of a clip shows."""
+    end = clip.time[-1] + _END * clip.speed
+    return _at(clip, np.arange(clip.time[0], end, clip.speed / fps))
+
+
+def _at(clip: Clip, time: np.ndarray) -> np.ndarray:
+    """Index of the last sample at or before each time."""
+    index = np.searchsorted(clip.time, time + 1e-9, side="right") - 1
+    return np.clip(index, 0, len(clip.time) - 1)
+
+
+def _pictures(
+    clips: Sequence[Clip],
+    frames: list,
+    camera: str,
+    width: int,
+    height: int,
+    *,
+    antialias: int = 0,
+    workers: int = 1,
+) -> Iterator[bytes]:
+    """Yield the RGB bytes of every (clip, sample) of ``frames``, drawn by several workers."""
+    for clip in clips:
+        _check(clip, camera)
+    environment = rendering.environment()
+    shares = [frames[i::workers] for i in range(workers)]
+    processes = [
+        _start((clips, share, camera, width, height, antialias), environment) for share in shares
+    ]
+    try:
+        for i in range(len(frames)):
+            yield _read(processes[i % workers], 3 * width * height)
+    finally:
+        for process in processes:
+            process.kill()
+            process.communicate()
+
+
+def _start(job: tuple, environment: dict[str, str]) -> subprocess.Popen:
+    """Start a worker on a job."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tpsim.sim.draw"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=environment,
+    )
+    with contextlib.suppress(BrokenPipeError), process.stdin:
+        pickle.dump(job, process.stdin)
+    process.stdin = None
+    return process
+
+
+def _read(process: subprocess.Popen, size: int) -> bytes:
+    """Read one picture from a worker."""
+    picture = process.stdout.read(size)
+    if len(picture) < size:
+        said = process.stderr.read().decode(errors="replace").strip().splitlines()
+        reason = said[-1] if said else f"exit code {process.wait()}"
+        raise RenderingError(f"the drawing process ended early: {reason}")
+    return picture
+
+
+def _check(clip: Clip, camera: str) -> None:
+    """Compile the scene of a clip and look for everything that the clip names."""
+    try:
+        model = mujoco.MjModel.from_xml_string(clip.scene)
+    except ValueError as error:
+        raise SimulationError(f"the scene of a clip does not compile: {error}") from None
+    cameras = [model.camera(i).name for i in range(model.ncam)]
+    if (clip.camera or camera) not in cameras:
+        raise SimulationError(
+            f"the scene has no camera {clip.camera or camera!r}: its cameras are {cameras}"
+        )
+    if np.shape(clip.q)[1] > model.nq:
+        raise SimulationError(f"q has {np.shape(clip.q)[1]} columns: the scene has {model.nq}")
+    bodies = [model.body(i).name for i in range(model.nbody) if model.body_mocapid[i] >= 0]
+    for name in clip.objects:
+        if name not in bodies:
+            raise SimulationError(f"the scene has no object {name!r}: its objects are {bodies}")

@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import condition_bound, finite_array
+from tpsim.gaussian import finite_array
+
+WORST_CONDITION = 1e10  # beyond it a square A counts as singular
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,10 +119,18 @@ def pseudoinverse(A: np.ndarray) -> np.ndarray:
         try:
             inverse = np.linalg.inv(A)
         except np.linalg.LinAlgError:
-            return np.linalg.pinv(A, rcond=1e-10)
-        if np.all(condition_bound(A, inverse) < 1e10):
+            inverse = None
+        if inverse is not None and _well_conditioned(A, inverse):
             return inverse
-    return np.linalg.pinv(A, rcond=1e-10)
+    return np.linalg.pinv(A, rcond=1 / WORST_CONDITION)
+
+
+def _well_conditioned(A: np.ndarray, inverse: np.ndarray) -> bool:
+    if float(np.abs(A).max()) * float(np.abs(inverse).max()) < WORST_CONDITION:
+        return True  # one bound for all leading axes is cheap and mostly enough
+    with np.errstate(over="ignore", invalid="ignore"):
+        bounds = np.abs(A).max((-2, -1)) * np.abs(inverse).max((-2, -1))
+    return bool((bounds < WORST_CONDITION).all())
 
 
 def _points(name: str, x: ArrayLike, dim: int) -> np.ndarray:

@@ -253,28 +253,22 @@ def cholesky(matrix: np.ndarray, name: str) -> np.ndarray:
 def inverse_spd(matrix: np.ndarray, name: str) -> np.ndarray:
     """Inverse of symmetric positive definite matrices; ArgumentError where it is meaningless.
 
-    Variables are scaled to unit variance first, so that their units do not matter.
+    Variables are scaled to unit variance first, so that their units do not matter. The diagonal
+    of the inverse then holds how many times each variance shrinks when all others are known.
     """
-    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
+    diagonal = matrix.diagonal(0, -2, -1)
     if not (diagonal > 0).all():
         raise ArgumentError(_singular(name))
     scale = 1 / np.sqrt(diagonal)
     scale = scale[..., :, None] * scale[..., None, :]
-    correlation = matrix * scale
     try:
-        inverse = np.linalg.inv(correlation)
+        inverse = np.linalg.inv(matrix * scale)
     except np.linalg.LinAlgError as error:
         raise ArgumentError(_singular(name)) from error
-    if not (condition_bound(correlation, inverse) < WORST_CONDITION).all():
+    shrinkage = inverse.diagonal(0, -2, -1)
+    if not (shrinkage.min() > 0 and shrinkage.max() < WORST_CONDITION):
         raise ArgumentError(_singular(name))
     return symmetric(inverse) * scale
-
-
-def condition_bound(matrix: np.ndarray, inverse: np.ndarray) -> np.ndarray:
-    """Upper bound of the condition number of (..., D, D); infinite where it overflows."""
-    D = matrix.shape[-1]
-    with np.errstate(over="ignore", invalid="ignore"):
-        return (D * np.abs(matrix).max((-2, -1))) * (D * np.abs(inverse).max((-2, -1)))
 
 
 def finite_array(name: str, value: ArrayLike) -> np.ndarray:

@@ -25,8 +25,8 @@ def product_of_frames(
     precision = information = 0.0
     maps = []
     for group in _alike(frames):
-        A = np.stack([frames[j].A for j in group])
-        b = np.stack([frames[j].b for j in group])
+        A = np.array([frames[j].A for j in group])
+        b = np.array([frames[j].b for j in group])
         inverse = pseudoinverse(A)
         maps.append((A, inverse))
         mean, local = (_with_leading(part, A.ndim - 3) for part in stack(group))
@@ -40,8 +40,7 @@ def product_of_frames(
     elif not any(_determines(A, inverse) for A, inverse in maps):
         _check_all_seen([inverse for _, inverse in maps])
     covariance = inverse_spd(precision, "sum of the frames' precisions")
-    mean = (covariance @ information)[..., 0]
-    return Gaussian.trusted(mean, np.broadcast_to(covariance, (*mean.shape, mean.shape[-1])))
+    return Gaussian.trusted((covariance @ information)[..., 0], covariance)
 
 
 def product_with_ridge(
@@ -88,8 +87,10 @@ def _with_leading(part: np.ndarray, axes: int) -> np.ndarray:
 
 def _determines(A: np.ndarray, inverse: np.ndarray) -> bool:
     """Whether at every step one frame sees all directions: the rank of A is the trace of A A^+."""
-    rank = (A * inverse.mT).sum((-2, -1))
-    return bool((rank > A.shape[-2] - 0.5).any(0).all())
+    overlap, D = A * inverse.mT, A.shape[-2]
+    if overlap.sum() > overlap.size // A.shape[-1] - 0.5:
+        return True  # all frames of all steps see everything
+    return bool((overlap.sum((-2, -1)) > D - 0.5).any(0).all())
 
 
 def _check_all_seen(inverses: Sequence[np.ndarray]) -> None:

@@ -16,7 +16,8 @@ from tpsim.errors import ArgumentError
 from tpsim.gaussian import LOG_2PI, cholesky
 
 CACHE_BYTES = 2**28  # features are kept up to this size, else made anew in every pass
-BLOCK_BYTES = 2**23  # one block of samples at a time: what stays in the processor's cache
+BLOCK_BYTES = 2**20  # one block of samples at a time: what stays in the processor's cache
+FAINTEST = -200.0  # log of the least responsibility: smaller ones make slow subnormal numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +107,8 @@ class Samples:
         for _, features in self._blocks():
             joint = weights @ features
             top = joint.max(0)
-            np.exp(np.subtract(joint, top, out=joint), out=joint)
+            np.maximum(np.subtract(joint, top, out=joint), FAINTEST, out=joint)
+            np.exp(joint, out=joint)
             evidence = joint.sum(0)
             joint /= evidence
             log_likelihood += top.sum() + np.log(evidence).sum()
@@ -146,8 +148,8 @@ class Samples:
             log_det = np.log(np.diagonal(W, axis1=-2, axis2=-1)).sum((0, -1))
             W *= scale[:, None, None]
             precision = W.mT @ W
-            information = np.einsum("gkij,gkj->gki", precision, mean)
-            parts[0][:, 0] += log_det - 0.5 * np.einsum("gki,gki->k", information, mean)
+            information = (precision @ mean[..., None])[..., 0]
+            parts[0][:, 0] += log_det - 0.5 * (information * mean).sum((0, -1))
             parts[0][:, 0] -= 0.5 * centre.size * LOG_2PI
             quadratic = -precision[..., i, j]
             quadratic[..., i == j] *= 0.5

@@ -10,7 +10,6 @@ from tpsim.control.system import LinearSystem
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import finite_array
 
-
 _UNSTABLE = (
     "no stabilising regulator exists: give Q some weight on every mode that does not vanish by "
     "itself, or use impedance() or a finite horizon (lqt)"

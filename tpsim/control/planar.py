@@ -63,8 +63,8 @@ class PlanarChain:
         return self._links(q).sum(axis=-2)
 
     def orientation(self, q: ArrayLike) -> np.ndarray:
-        """Angle of the last link (...,) [rad], not wrapped."""
-        return self._posture(q)[..., list(self.joints)].sum(axis=-1)
+        """Angle of the last link (..., 1) [rad], not wrapped: a task of one dimension."""
+        return self._posture(q)[..., list(self.joints)].sum(axis=-1, keepdims=True)
 
     def jacobian(self, q: ArrayLike) -> np.ndarray:
         """Analytic Jacobian of :meth:`position` (..., 2, n) [m/rad]."""

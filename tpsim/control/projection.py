@@ -12,10 +12,12 @@ gain
 clip
     Largest norm of the error ``b_object - x`` [m, rad]; None leaves it as it is.
 damping
-    Singular value below which the pseudo-inverse is damped [m/rad, rad/rad]: s is inverted as
-    s / max(s, damping)², exact above and going continuously to zero at a singular posture.
-ridge
-    Constant added to J Jᵀ everywhere, as the reference code does (1e-8); 0 by default.
+    Singular value s of J [m/rad, rad/rad] below which it is inverted as s / damping², bounded
+    and continuous through a singular posture; for loops that step straight to q_hat. It is zero
+    by default because the product of frames damps by itself: near a singular posture J⁺ grows,
+    but the information that the frame carries, Jᵀ Σ⁻¹ J, vanishes, and the other frames decide.
+
+Undamped, singular values below ``CUTOFF`` count as zero, so A is bounded at any posture.
 """
 
 import numpy as np
@@ -25,21 +27,22 @@ from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import finite_array
 
-DAMPING = 0.01
-"""Singular value of a Jacobian below which its pseudo-inverse is damped [m/rad]."""
+CUTOFF = 1e-3
+"""Singular value of a Jacobian below which its task direction is lost [m/rad, rad/rad]."""
 
 
-def pseudoinverse(J: ArrayLike, damping: float = DAMPING, ridge: float = 0.0) -> np.ndarray:
-    """Right pseudo-inverse J⁺ (..., n, m) of a Jacobian (..., m, n), damped near singularities."""
-    U, inverted, Vt, _ = _inverted(J, damping, ridge)
-    return np.swapaxes(Vt, -1, -2) @ (inverted[..., None] * np.swapaxes(U, -1, -2))
+def pseudoinverse(J: ArrayLike, damping: float = 0.0) -> np.ndarray:
+    """Right pseudo-inverse J⁺ (..., n, m) of a Jacobian (..., m, n), bounded at any posture."""
+    U, singular, Vt = np.linalg.svd(np.asarray(J, float), full_matrices=False)
+    lost = singular < CUTOFF if damping == 0 else False
+    inverted = np.where(lost, 0.0, singular) / np.maximum(singular, damping or CUTOFF) ** 2
+    return Vt.mT @ (inverted[..., None] * U.mT)
 
 
-def nullspace(J: ArrayLike, damping: float = DAMPING, ridge: float = 0.0) -> np.ndarray:
-    """Nullspace projection N = I - J⁺ J (..., n, n), continuous through singularities."""
-    _, inverted, Vt, singular = _inverted(J, damping, ridge)
-    taken = (inverted * singular)[..., None] * Vt
-    return np.eye(Vt.shape[-1]) - np.swapaxes(Vt, -1, -2) @ taken
+def nullspace(J: ArrayLike, damping: float = 0.0) -> np.ndarray:
+    """Nullspace projection N = I - J⁺ J (..., n, n)."""
+    J = np.asarray(J, float)
+    return np.eye(J.shape[-1]) - pseudoinverse(J, damping) @ J
 
 
 def joint(n: int) -> Frame:
@@ -55,8 +58,7 @@ def absolute(
     x: ArrayLike,
     *,
     gain: float = 1.0,
-    damping: float = DAMPING,
-    ridge: float = 0.0,
+    damping: float = 0.0,
 ) -> Frame:
     """Absolute task-space constraint, Eq. 40: A = J⁺, b = q - J⁺ x.
 
@@ -68,7 +70,7 @@ def absolute(
         Present posture [rad].
     x : array (..., m)
         Present task-space pose [m, rad].
-    gain, damping, ridge : float
+    gain, damping : float
         See the module.
 
     Returns
@@ -78,7 +80,7 @@ def absolute(
 
     """
     J, q, x = _checked(J, q, x)
-    return _task_frame(gain * pseudoinverse(J, damping, ridge), q, -x)
+    return _task_frame(gain * pseudoinverse(J, damping), q, -x)
 
 
 def relative(
@@ -90,8 +92,7 @@ def relative(
     *,
     gain: float = 1.0,
     clip: float | None = None,
-    damping: float = DAMPING,
-    ridge: float = 0.0,
+    damping: float = 0.0,
 ) -> Frame:
     """Task-space constraint relative to an object, Eq. 41: A = J⁺ A_O, b = q + J⁺ (b_O - x).
 
@@ -103,7 +104,7 @@ def relative(
         Orientation of the object in task space.
     b_object : array (..., m)
         Position of the object in task space [m, rad].
-    gain, clip, damping, ridge : float
+    gain, clip, damping : float
         See the module.
 
     Returns
@@ -114,7 +115,7 @@ def relative(
     """
     J, q, x = _checked(J, q, x)
     error = _clipped(np.asarray(b_object, float) - x, clip)
-    return _task_frame(gain * pseudoinverse(J, damping, ridge), q, error, A_object)
+    return _task_frame(gain * pseudoinverse(J, damping), q, error, A_object)
 
 
 def nullspace_joint(
@@ -122,8 +123,7 @@ def nullspace_joint(
     q: ArrayLike,
     *,
     gain: float = 1.0,
-    damping: float = DAMPING,
-    ridge: float = 0.0,
+    damping: float = 0.0,
 ) -> Frame:
     """Posture in the nullspace of a task, Eq. 42: A = N, b = J⁺ J q.
 
@@ -135,7 +135,7 @@ def nullspace_joint(
         Jacobian of the task that comes first.
     q : array (..., n)
         Present posture [rad].
-    gain, damping, ridge : float
+    gain, damping : float
         See the module.
 
     Returns
@@ -145,7 +145,7 @@ def nullspace_joint(
 
     """
     J, q, _ = _checked(J, q)
-    return _task_frame(gain * nullspace(J, damping, ridge), q, -q)
+    return _task_frame(gain * nullspace(J, damping), q, -q)
 
 
 def nullspace_absolute(
@@ -155,8 +155,7 @@ def nullspace_absolute(
     x_other: ArrayLike,
     *,
     gain: float = 1.0,
-    damping: float = DAMPING,
-    ridge: float = 0.0,
+    damping: float = 0.0,
 ) -> Frame:
     """Absolute secondary task in the nullspace, Eq. 43: A = N J~⁺, b = q - N J~⁺ x~.
 
@@ -168,7 +167,7 @@ def nullspace_absolute(
         Present posture [rad].
     J_other, x_other : arrays (..., k, n), (..., k)
         Jacobian and pose of the secondary task [m, rad].
-    gain, damping, ridge : float
+    gain, damping : float
         See the module.
 
     Returns
@@ -179,7 +178,7 @@ def nullspace_absolute(
     """
     J, q, _ = _checked(J, q)
     J_other, q, x_other = _checked(J_other, q, x_other)
-    return _task_frame(gain * _secondary(J, J_other, damping, ridge), q, -x_other)
+    return _task_frame(gain * _secondary(J, J_other, damping), q, -x_other)
 
 
 def nullspace_relative(
@@ -192,8 +191,7 @@ def nullspace_relative(
     *,
     gain: float = 1.0,
     clip: float | None = None,
-    damping: float = DAMPING,
-    ridge: float = 0.0,
+    damping: float = 0.0,
 ) -> Frame:
     """Secondary task relative to an object, Eq. 44: A = N J~⁺ A_O, b = q + N J~⁺ (b_O - x~).
 
@@ -207,7 +205,7 @@ def nullspace_relative(
         Jacobian and pose of the secondary task [m, rad].
     A_object, b_object : arrays (..., k, d), (..., k)
         Orientation and position of the object of the secondary task.
-    gain, clip, damping, ridge : float
+    gain, clip, damping : float
         See the module.
 
     Returns
@@ -219,12 +217,12 @@ def nullspace_relative(
     J, q, _ = _checked(J, q)
     J_other, q, x_other = _checked(J_other, q, x_other)
     error = _clipped(np.asarray(b_object, float) - x_other, clip)
-    return _task_frame(gain * _secondary(J, J_other, damping, ridge), q, error, A_object)
+    return _task_frame(gain * _secondary(J, J_other, damping), q, error, A_object)
 
 
-def _secondary(J, J_other, damping, ridge):
+def _secondary(J, J_other, damping):
     """N(J) J_other⁺: the part of a secondary motion that the first task does not feel."""
-    return nullspace(J, damping, ridge) @ pseudoinverse(J_other, damping, ridge)
+    return nullspace(J, damping) @ pseudoinverse(J_other, damping)
 
 
 def _task_frame(lift, q, error, A_object=None):
@@ -241,16 +239,6 @@ def _clipped(error, clip):
         raise ArgumentError(f"clip is {clip}; give a positive norm [m, rad] or None")
     norm = np.linalg.norm(error, axis=-1, keepdims=True)
     return error * (clip / np.maximum(norm, clip))
-
-
-def _inverted(J, damping, ridge):
-    """SVD of J with its filtered inverse singular values: U, inverted, Vt, singular."""
-    U, singular, Vt = np.linalg.svd(np.asarray(J, float), full_matrices=False)
-    damped = np.maximum(singular, damping) ** 2 + ridge
-    # Without damping and ridge an exactly zero singular value inverts to zero, as in any pinv.
-    tiny = singular <= singular[..., :1] * 1e-14
-    inverted = np.where(tiny, 0.0, singular / np.where(damped > 0, damped, 1.0))
-    return U, inverted, Vt, singular
 
 
 def _checked(J, q, x=None):

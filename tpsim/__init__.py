@@ -29,8 +29,17 @@ from tpsim.gaussian import add_ridge as add_ridge
 from tpsim.gaussian import floor_eigenvalues as floor_eigenvalues
 from tpsim.gaussian import gaussian_product as gaussian_product
 from tpsim.gaussian import match_moments as match_moments
+from tpsim.learning.dtw import Warp as Warp
+from tpsim.learning.dtw import align as align
+from tpsim.learning.dtw import dtw as dtw
 from tpsim.learning.gmm import GMM as GMM
 from tpsim.learning.gmm import fit_gmm as fit_gmm
+from tpsim.learning.hmm import HMM as HMM
+from tpsim.learning.hmm import fit_hmm as fit_hmm
+from tpsim.learning.hsmm import HSMM as HSMM
+from tpsim.learning.hsmm import fit_hsmm as fit_hsmm
+from tpsim.learning.markov import MarkovChain as MarkovChain
+from tpsim.learning.semi_markov import SemiMarkovChain as SemiMarkovChain
 from tpsim.learning.subspace import HDDC as HDDC
 from tpsim.learning.subspace import MFA as MFA
 from tpsim.learning.subspace import MPPCA as MPPCA

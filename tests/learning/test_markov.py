@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from tpsim.learning import markov
+from tpsim.learning import markov, segments
 
 T, K, L = 6, 3, 4
 
@@ -68,17 +68,17 @@ def test_segments_sum_over_every_segmentation(chain):
     for states, lengths, score in every_segmentation(*chain):
         total += np.exp(score)
         joint[np.cumsum([0, *lengths[:-1]]), states] += np.exp(score)
-    segments = markov.forward_segments(start, transitions, durations, densities)
-    starts, _ = markov.backward_segments(transitions, durations, densities)
-    np.testing.assert_allclose(np.exp(markov.log_sum(segments.ends[-1])), total, rtol=1e-12)
-    np.testing.assert_allclose(np.exp(segments.starts + starts)[:-1], joint[:-1], rtol=1e-12)
+    before = segments.forward_segments(start, transitions, durations, densities)
+    after = segments.backward_segments(transitions, durations, densities)
+    np.testing.assert_allclose(np.exp(markov.log_sum(before.ends[-1])), total, rtol=1e-12)
+    np.testing.assert_allclose(np.exp(before.starts + after.starts)[:-1], joint[:-1], rtol=1e-12)
 
 
 def test_occupancy_is_the_probability_of_being_in_a_state(chain):
     start, transitions, durations, densities = chain
-    segments = markov.forward_segments(start, transitions, durations, densities)
+    before = segments.forward_segments(start, transitions, durations, densities)
     survival = markov.log(np.exp(durations)[::-1].cumsum(0)[::-1])
-    inside = np.exp(markov.occupancy(segments, survival))
+    inside = np.exp(segments.occupancy(before, survival))
     for t in range(T):
         expected = np.zeros(K)
         for states, _, score in every_segmentation(*chain, complete=False, steps=t + 1):
@@ -88,7 +88,7 @@ def test_occupancy_is_the_probability_of_being_in_a_state(chain):
 
 def test_viterbi_over_segments_finds_the_best_of_every_segmentation(chain):
     best = max(every_segmentation(*chain), key=lambda item: item[2])
-    states, lengths = markov.viterbi_segments(*chain)
+    states, lengths = segments.viterbi_segments(*chain)
     assert states.tolist() == best[0]
     assert lengths.tolist() == best[1]
 

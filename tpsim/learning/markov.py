@@ -1,12 +1,162 @@
-"""Recursions in log space over Markov and semi-Markov chains of hidden states.
+"""Markov chain of hidden states: recursions in log space, so that nothing underflows.
 
-Arrays: `start (K,)`, `transitions (K, K)`, `densities (T, K)` of the observations and
-`durations (L, K)` of a stay of 1 ... L steps are logarithms, so that nothing underflows.
+In the functions, `initial (K,)`, `transitions (K, K)` and the `densities (T, K)` of the
+observations are logarithms; in the :class:`MarkovChain` they are probabilities.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+from tpsim.errors import ArgumentError
+from tpsim.gaussian import finite_array
+from tpsim.learning.gmm import checked_priors, posterior
+
+
+@dataclass(frozen=True, eq=False)
+class MarkovChain:
+    """States that follow each other step by step: the stay in a state is geometric.
+
+    Parameters
+    ----------
+    initial : (K,)
+        Probability of the first state.
+    transitions : (K, K)
+        Probability of state j (column) one step after state i (row).
+
+    Raises
+    ------
+    ArgumentError
+        Probabilities that are negative, do not sum to one or have other shapes.
+    """
+
+    initial: np.ndarray
+    transitions: np.ndarray
+
+    def __post_init__(self):
+        object.__setattr__(self, "initial", checked_priors(self.initial))
+        rows = checked_transitions(self.transitions, len(self.initial))
+        if (rows.sum(1) == 0).any():
+            raise ArgumentError("a row of transitions is zero; let the last state follow itself")
+        object.__setattr__(self, "transitions", rows)
+
+    @classmethod
+    def of(cls, components: int, topology: str, stay: float) -> "MarkovChain":
+        """Chain in which a stay lasts ``stay`` steps on average, see :func:`successors`."""
+        leave = successors(components, topology) / max(stay, 1.0)
+        transitions = leave + np.diag(1.0 - leave.sum(1))
+        return cls(first_states(components, topology), transitions)
+
+    def expectation(self, densities: np.ndarray) -> "Expectation":
+        """E-step for one sequence with log densities (T, K): the forward-backward recursion."""
+        initial, transitions = log(self.initial), log(self.transitions)
+        alpha, beta = forward(initial, transitions, densities), backward(transitions, densities)
+        log_likelihood = log_sum(alpha[-1])
+        joint = alpha[:-1, :, None] + transitions + (densities + beta)[1:, None, :]
+        return Expectation(
+            float(log_likelihood),
+            posterior(alpha + beta),
+            np.exp(joint - log_likelihood).sum(0),
+        )
+
+    def maximised(self, passes: Sequence["Expectation"]) -> "MarkovChain":
+        """M-step: the chain that explains the E-steps of several sequences best."""
+        return MarkovChain(*updated(self.initial, self.transitions, passes))
+
+    def filtered(self, densities: np.ndarray) -> np.ndarray:
+        """P(s_t | x_0 ... x_t), (T, K)."""
+        return posterior(forward(log(self.initial), log(self.transitions), densities))
+
+    def viterbi(self, densities: np.ndarray) -> np.ndarray:
+        """Most likely states (T,)."""
+        return viterbi(log(self.initial), log(self.transitions), densities)
+
+    def probabilities(self, steps: int) -> np.ndarray:
+        """P(s_t) without observations, (steps, K)."""
+        probability = np.empty((steps, len(self.initial)))
+        probability[0] = self.initial
+        for t in range(1, steps):
+            probability[t] = probability[t - 1] @ self.transitions
+        return probability
+
+    def sample(self, steps: int, rng: np.random.Generator) -> np.ndarray:
+        """Draw states (steps,)."""
+        states = [draw(self.initial, rng)]
+        while len(states) < steps:
+            states.append(draw(self.transitions[states[-1]], rng))
+        return np.array(states)
+
+
+@dataclass(frozen=True, eq=False)
+class Expectation:
+    """E-step for one sequence.
+
+    Parameters
+    ----------
+    log_likelihood : float
+        Of the whole sequence.
+    responsibilities : (T, K)
+        P(s_t | all observations).
+    transitions : (K, K)
+        Expected number of changes from state i (row) to state j.
+    stays : (3, K), optional
+        Expected number of stays, of their steps, and of their squared steps, per state.
+    """
+
+    log_likelihood: float
+    responsibilities: np.ndarray
+    transitions: np.ndarray
+    stays: np.ndarray | None = None
+
+
+def updated(
+    initial: np.ndarray, transitions: np.ndarray, passes: Sequence[Expectation]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Re-estimate both distributions; a row without any change of state stays as it was."""
+    first = sum(one.responsibilities[0] for one in passes)
+    counts = sum(one.transitions for one in passes)
+    total = counts.sum(1, keepdims=True)
+    seen = total > 1e-10
+    return first / first.sum(), np.where(seen, counts / np.where(seen, total, 1.0), transitions)
+
+
+def successors(components: int, topology: str) -> np.ndarray:
+    """Which state follows another, (K, K), rows summing to one, or zero where none does.
+
+    ``"left-right"``: the next one only, and none after the last; ``"any"``: all others alike.
+    """
+    if topology == "left-right":
+        return np.eye(components, k=1)
+    if topology == "any":
+        return (1.0 - np.eye(components)) / max(components - 1, 1)
+    raise ArgumentError(f"topology is {topology!r}; give 'left-right' or 'any'")
+
+
+def first_states(components: int, topology: str) -> np.ndarray:
+    """Initial probabilities (K,): the first state, or all alike."""
+    if topology == "left-right":
+        return np.eye(components)[0]
+    return np.full(components, 1.0 / components)
+
+
+def checked_transitions(transitions: np.ndarray, components: int) -> np.ndarray:
+    """Transitions (K, K) whose rows sum to one or are zero, or an ArgumentError."""
+    transitions = finite_array("transitions", transitions)
+    if transitions.shape != (components, components):
+        raise ArgumentError(
+            f"transitions have shape {transitions.shape}; with {components} initial "
+            f"probabilities it must be ({components}, {components})"
+        )
+    sums = transitions.sum(1)
+    if (transitions < 0).any() or (np.minimum(abs(sums), abs(sums - 1)) > 1e-6).any():
+        raise ArgumentError(f"rows of transitions sum to {sums}; each must be a distribution")
+    return transitions
+
+
+def draw(probability: np.ndarray, rng: np.random.Generator) -> int:
+    """One index at random."""
+    return int(rng.choice(len(probability), p=probability / probability.sum()))
 
 
 def log(probability: np.ndarray) -> np.ndarray:
@@ -22,19 +172,10 @@ def log_sum(values: np.ndarray, axis: int = 0) -> np.ndarray:
     return log(np.exp(values - top).sum(axis)) + top.squeeze(axis)
 
 
-def normalised(values: np.ndarray) -> np.ndarray:
-    """Probabilities over the last axis from their unnormalised logarithms."""
-    weights = np.exp(values - values.max(-1, keepdims=True))
-    return weights / weights.sum(-1, keepdims=True)
-
-
-# --- Markov chains (HMM) ------------------------------------------------------------------
-
-
-def forward(start: np.ndarray, transitions: np.ndarray, densities: np.ndarray) -> np.ndarray:
+def forward(initial: np.ndarray, transitions: np.ndarray, densities: np.ndarray) -> np.ndarray:
     """Log P(x_0 ... x_t, s_t = i), shape (T, K)."""
     alpha = np.empty_like(densities)
-    alpha[0] = start + densities[0]
+    alpha[0] = initial + densities[0]
     for t in range(1, len(alpha)):
         alpha[t] = log_sum(alpha[t - 1, :, None] + transitions) + densities[t]
     return alpha
@@ -48,9 +189,9 @@ def backward(transitions: np.ndarray, densities: np.ndarray) -> np.ndarray:
     return beta
 
 
-def viterbi(start: np.ndarray, transitions: np.ndarray, densities: np.ndarray) -> np.ndarray:
+def viterbi(initial: np.ndarray, transitions: np.ndarray, densities: np.ndarray) -> np.ndarray:
     """Most likely sequence of states, shape (T,)."""
-    best = start + densities[0]
+    best = initial + densities[0]
     origins = np.empty(densities.shape, dtype=int)
     for t in range(1, len(densities)):
         arrivals = best[:, None] + transitions
@@ -60,109 +201,3 @@ def viterbi(start: np.ndarray, transitions: np.ndarray, densities: np.ndarray) -
     for t in range(len(densities) - 1, 0, -1):
         states.append(int(origins[t, states[-1]]))
     return np.array(states[::-1])
-
-
-# --- Semi-Markov chains (HSMM) ------------------------------------------------------------
-# A segment is a stay in one state. `starts[t, i]`: a segment of state i starts at t;
-# `ends[t, i]`: one ended at t - 1. Row t is a border between steps, so there are T + 1 rows.
-
-
-@dataclass(frozen=True)
-class Segments:
-    """Forward pass over segments: joint logarithms with the observations before the border.
-
-    Attributes
-    ----------
-    starts, ends : (T + 1, K) arrays
-    evidence : (T + 1, K) array
-        Summed log densities of the observations before each border.
-    """
-
-    starts: np.ndarray
-    ends: np.ndarray
-    evidence: np.ndarray
-
-
-def forward_segments(
-    start: np.ndarray, transitions: np.ndarray, durations: np.ndarray, densities: np.ndarray
-) -> Segments:
-    """Probability that a segment starts, or has ended, at every border of the time steps."""
-    steps, count = densities.shape
-    evidence = _evidence(densities)
-    starts = np.full((steps + 1, count), -np.inf)
-    ends = np.full((steps + 1, count), -np.inf)
-    starts[0] = start
-    for t in range(1, steps + 1):
-        stay = min(t, len(durations))
-        since = starts[t - stay : t] - evidence[t - stay : t]
-        ends[t] = log_sum(since + durations[stay - 1 :: -1]) + evidence[t]
-        starts[t] = log_sum(ends[t, :, None] + transitions)
-    return Segments(starts, ends, evidence)
-
-
-def backward_segments(
-    transitions: np.ndarray, durations: np.ndarray, densities: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Likelihood of all that follows a border, given that a segment starts (ends) there.
-
-    The last segment ends with the sequence. Two (T + 1, K) arrays.
-    """
-    steps, count = densities.shape
-    evidence = _evidence(densities)
-    starts = np.full((steps + 1, count), -np.inf)
-    ends = np.zeros((steps + 1, count))
-    for t in range(steps - 1, -1, -1):
-        stay = min(steps - t, len(durations))
-        until = ends[t + 1 : t + 1 + stay] + evidence[t + 1 : t + 1 + stay]
-        starts[t] = log_sum(until + durations[:stay]) - evidence[t]
-        ends[t] = log_sum(transitions + starts[t], axis=1)
-    return starts, ends
-
-
-def occupancy(segments: Segments, survival: np.ndarray) -> np.ndarray:
-    """Log P(x_0 ... x_t, s_t = i), shape (T, K): being in state i, not leaving it.
-
-    Sums over the segments that started at or before t and last beyond it; `survival (L, K)`
-    is the probability of a stay of at least 1 ... L steps.
-    """
-    starts, evidence = segments.starts, segments.evidence
-    inside = np.empty_like(starts[1:])
-    for t in range(len(inside)):
-        stay = min(t + 1, len(survival))
-        since = slice(t + 1 - stay, t + 1)
-        open_segments = starts[since] - evidence[since] + survival[stay - 1 :: -1]
-        inside[t] = log_sum(open_segments) + evidence[t + 1]
-    return inside
-
-
-def viterbi_segments(
-    start: np.ndarray, transitions: np.ndarray, durations: np.ndarray, densities: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Most likely segments: their states and their durations, the last one complete."""
-    steps, count = densities.shape
-    evidence = _evidence(densities)
-    starts = np.full((steps + 1, count), -np.inf)
-    ends = np.full((steps + 1, count), -np.inf)
-    stays = np.zeros((steps + 1, count), dtype=int)
-    origins = np.zeros((steps + 1, count), dtype=int)
-    starts[0] = start
-    for t in range(1, steps + 1):
-        stay = min(t, len(durations))
-        since = starts[t - stay : t] - evidence[t - stay : t]
-        paths = since + durations[stay - 1 :: -1]
-        best = paths.argmax(0)
-        stays[t] = stay - best
-        ends[t] = paths[best, np.arange(count)] + evidence[t]
-        arrivals = ends[t][:, None] + transitions
-        origins[t] = arrivals.argmax(0)
-        starts[t] = arrivals.max(0)
-    states, lengths, t = [int(ends[-1].argmax())], [], steps
-    while t > 0:
-        lengths.append(int(stays[t, states[-1]]))
-        t -= lengths[-1]
-        states.append(int(origins[t, states[-1]]))
-    return np.array(states[-2::-1]), np.array(lengths[::-1])
-
-
-def _evidence(densities: np.ndarray) -> np.ndarray:
-    return np.vstack([np.zeros_like(densities[:1]), densities.cumsum(0)])

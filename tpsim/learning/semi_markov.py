@@ -1,0 +1,176 @@
+"""Semi-Markov chain of hidden states: every stay in a state has an explicit duration."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tpsim.errors import ArgumentError
+from tpsim.gaussian import Gaussian
+from tpsim.learning.gmm import checked_priors, posterior
+from tpsim.learning.markov import (
+    Expectation,
+    checked_transitions,
+    draw,
+    first_states,
+    log,
+    log_sum,
+    successors,
+    updated,
+)
+from tpsim.learning.segments import (
+    backward_segments,
+    expected_stays,
+    forward_segments,
+    occupancy,
+    viterbi_segments,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class SemiMarkovChain:
+    """States that follow each other after stays of Gaussian duration.
+
+    Parameters
+    ----------
+    initial : (K,)
+        Probability of the first state.
+    transitions : (K, K)
+        Probability of state j (column) after a stay in state i (row). A row of zeros marks a
+        last state: nothing follows, the movement rests there.
+    durations : Gaussian (K, 1)
+        Duration of a stay [steps], of which the whole numbers from 1 on count.
+    least_variance : float
+        Below this the M-step leaves no variance of a duration [steps^2].
+
+    Raises
+    ------
+    ArgumentError
+        Probabilities that are negative or do not sum to one, wrong shapes, or durations without
+        a positive mean and variance.
+    """
+
+    initial: np.ndarray
+    transitions: np.ndarray
+    durations: Gaussian
+    least_variance: float = 1.0
+
+    def __post_init__(self):
+        object.__setattr__(self, "initial", checked_priors(self.initial))
+        rows = checked_transitions(self.transitions, len(self.initial))
+        object.__setattr__(self, "transitions", rows)
+        if self.durations.mean.shape != (len(self.initial), 1):
+            raise ArgumentError(
+                f"durations have means of shape {self.durations.mean.shape}; with "
+                f"{len(self.initial)} initial probabilities it must be ({len(self.initial)}, 1)"
+            )
+        if not (self.durations.mean.min() > 0 and self.durations.covariance.min() > 0):
+            raise ArgumentError("durations need positive means and variances [steps]")
+
+    @classmethod
+    def of(cls, components: int, topology: str, stay: float, spread: float) -> "SemiMarkovChain":
+        """Chain in which a stay lasts ``stay`` steps, see :func:`.markov.successors`.
+
+        No duration will vary less than by ``spread`` times ``stay``, or one step.
+        """
+        least = max(1.0, (spread * stay) ** 2)
+        mean = np.full((components, 1), stay)
+        variance = np.full((components, 1, 1), max(least, (0.5 * stay) ** 2))
+        return cls(
+            first_states(components, topology),
+            successors(components, topology),
+            Gaussian(mean, variance),
+            least,
+        )
+
+    def expectation(self, densities: np.ndarray) -> Expectation:
+        """E-step for one sequence with log densities (T, K), whose last stay is complete."""
+        initial, transitions = log(self.initial), log(self.transitions)
+        durations, _ = self.log_durations(len(densities))
+        before = forward_segments(initial, transitions, durations, densities)
+        after = backward_segments(transitions, durations, densities)
+        log_likelihood = log_sum(before.ends[-1])
+        begun = np.exp(before.starts[:-1] + after.starts[:-1] - log_likelihood)
+        ended = np.exp(before.ends[:-1] + after.ends[:-1] - log_likelihood)
+        inside = np.maximum((begun - ended).cumsum(0), 0.0)
+        joint = before.ends[1:-1, :, None] + transitions + after.starts[1:-1, None, :]
+        return Expectation(
+            float(log_likelihood),
+            inside / inside.sum(1, keepdims=True),
+            np.exp(joint - log_likelihood).sum(0),
+            expected_stays(before, after, durations, log_likelihood),
+        )
+
+    def maximised(self, passes: Sequence[Expectation]) -> "SemiMarkovChain":
+        """M-step: a chain that explains the E-steps of several sequences better."""
+        stays = sum(one.stays for one in passes)
+        count, total, squared = stays
+        safe = np.maximum(count, 1e-10)
+        mean = total / safe
+        variance = np.maximum(squared / safe - mean**2, self.least_variance)
+        # Moments are the optimum but for what whole steps >= 1 cut off: old durations may win.
+        old = self.durations.mean[:, 0], self.durations.covariance[:, 0, 0]
+        better = _expected_log(stays, mean, variance) > _expected_log(stays, *old)
+        mean, variance = np.where(better, mean, old[0]), np.where(better, variance, old[1])
+        return SemiMarkovChain(
+            *updated(self.initial, self.transitions, passes),
+            Gaussian(mean[:, None], variance[:, None, None]),
+            self.least_variance,
+        )
+
+    def filtered(self, densities: np.ndarray) -> np.ndarray:
+        """P(s_t | x_0 ... x_t), (T, K), for a stay that may go on after t."""
+        return posterior(self._forward(densities))
+
+    def viterbi(self, densities: np.ndarray) -> np.ndarray:
+        """Most likely states (T,), the last stay complete."""
+        durations, _ = self.log_durations(len(densities))
+        states, lengths = viterbi_segments(
+            log(self.initial), log(self.transitions), durations, densities
+        )
+        return np.repeat(states, lengths)
+
+    def probabilities(self, steps: int) -> np.ndarray:
+        """P(s_t) without observations, (steps, K)."""
+        return np.exp(self._forward(np.zeros((steps, len(self.initial)))))
+
+    def sample(self, steps: int, rng: np.random.Generator) -> np.ndarray:
+        """Draw states (steps,); the last stay may be cut short."""
+        durations = np.exp(self.log_durations(steps)[0])
+        states, state = [], draw(self.initial, rng)
+        while len(states) < steps:
+            if not self.transitions[state].any():
+                states += [state] * (steps - len(states))
+                break
+            # One bin more than can be shown: whatever lasts longer than the sequence.
+            longer = np.append(durations[:, state], max(0.0, 1.0 - durations[:, state].sum()))
+            states += [state] * (1 + draw(longer, rng))
+            state = draw(self.transitions[state], rng)
+        return np.array(states[:steps])
+
+    def log_durations(self, longest: int) -> tuple[np.ndarray, np.ndarray]:
+        """Log probabilities that a stay lasts 1 ... L steps, and at least as many, (L, K)."""
+        mean, variance = self.durations.mean[:, 0], self.durations.covariance[:, 0, 0]
+        durations = _log_stays(mean, variance, longest)
+        survival = np.logaddexp.accumulate(durations[::-1])[::-1]
+        survival = np.where(self.transitions.any(1), survival, 0.0)
+        return durations[:longest], survival[:longest]
+
+    def _forward(self, densities: np.ndarray) -> np.ndarray:
+        durations, survival = self.log_durations(len(densities))
+        segments = forward_segments(log(self.initial), log(self.transitions), durations, densities)
+        return occupancy(segments, survival)
+
+
+def _log_stays(mean: np.ndarray, variance: np.ndarray, longest: int) -> np.ndarray:
+    """Log probability of 1 ... L steps, (L, K), L being ``longest`` or what the Gaussians reach."""
+    limit = max(longest, int(np.ceil((mean + 8 * np.sqrt(variance)).max())))
+    durations = -0.5 * (np.arange(1, limit + 1)[:, None] - mean) ** 2 / variance
+    return durations - log_sum(durations)
+
+
+def _expected_log(stays: np.ndarray, mean: np.ndarray, variance: np.ndarray) -> np.ndarray:
+    """Expected log probability (K,) of stays with the given moments (3, K)."""
+    count, total, squared = stays
+    normaliser = -0.5 * (1 - mean) ** 2 / variance - _log_stays(mean, variance, 1)[0]
+    return -0.5 * (squared - 2 * mean * total + mean**2 * count) / variance - count * normaliser

@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from tpsim.sim import overlay
-from tpsim.sim.video import Clip
+from tpsim.sim.clip import Clip
 
 
 class Painter:

@@ -6,12 +6,12 @@ from PIL import Image, ImageDraw, ImageFont
 
 _ARROW = (0.95, 0.50, 0.08, 1.0)
 _TRACES = ((0.10, 0.45, 0.62, 1.0), (0.80, 0.22, 0.24, 1.0), (0.30, 0.55, 0.25, 1.0))
-_ELLIPSOID = (0.16, 0.52, 0.72, 0.38)
+_ELLIPSOID = (0.16, 0.52, 0.72, 0.32)
 _METRES_PER_NEWTON = 0.011
 _GAP = 0.04  # m between the tip of an arrow and its point
 _SMALLEST_FORCE = 0.1  # N that is shown
 _SEGMENTS = 150  # of a trace, so that its cost does not grow with its length
-_AXIS = 0.05  # m for 500 N/m
+_AXIS = 0.045  # m for 500 N/m
 _SMALLEST, _LARGEST = 0.008, 0.16  # m, of a semi-axis
 
 

@@ -4,13 +4,12 @@ Every scene is a text of MJCF. The model that is simulated is compiled from that
 ``scene.xml`` of a run folder repeats it bit for bit.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import mujoco
 import numpy as np
 
-from tpsim.errors import SimulationError
-from tpsim.paths import MODELS
+from tpsim.sim.stage import camera, hold, light, place, read, text
 
 FLOOR = -0.93
 """Height of the floor below Baxter's torso frame, m."""
@@ -20,6 +19,15 @@ HOME = (
     *(0.49732, -0.90217, 1.1919, 1.40747, -0.61722, 1.47197, 0.00951),
 )
 """Both arms before the chest, cup level, sugar 8 cm above the middle of its rim, rad."""
+
+READY = (
+    *(-0.08, -1.0, -1.19, 1.94, 0.67, 1.03, -0.5),
+    *(0.08, -1.0, 1.19, 1.94, -0.67, 1.03, 0.5),
+)
+"""Baxter's untucked posture: hands ahead, grippers down, rad."""
+
+PAINTS = ((0.10, 0.33, 0.40), (0.72, 0.42, 0.08), (0.24, 0.42, 0.20))
+"""Colours of the objects: teal, ochre, moss."""
 
 
 def cup_and_sugar() -> str:
@@ -34,169 +42,100 @@ def cup_and_sugar() -> str:
     str
         MJCF text.
     """
-    spec = read("baxter")
-    _stage(spec, FLOOR)
-    attach(spec, "table", position=(0.7, 0, -0.22))
+    spec = _baxter()
     hold(spec, "cup", "left_gripper", position=(0, 0, 0.056), axes=((0, 0, 1), (0, -1, 0)))
     hold(spec, "sugar", "right_gripper", position=(0, 0, 0.006))
-    _camera(spec, "hero", position=(2.4, 1.3, 0.75), target=(0.32, 0.05, 0.2), fovy=30)
-    _camera(spec, "hands", position=(1.35, 0.6, 0.4), target=(0.55, 0.06, 0.19), fovy=32)
-    _camera(spec, "side", position=(0.9, 2.9, 0.45), target=(0.35, 0, 0.08), fovy=32)
     spec.add_key(name="home", qpos=HOME)
     return text(spec)
 
 
-def read(name: str) -> mujoco.MjSpec:
-    """Read ``models/<name>.xml``.
-
-    Raises
-    ------
-    SimulationError
-        If there is no such model; the message names those that exist.
-    """
-    path = MODELS / f"{name}.xml"
-    if not path.is_file():
-        known = ", ".join(sorted(p.stem for p in MODELS.glob("*.xml"))) or "none"
-        raise SimulationError(f"no model {name!r} in {MODELS}: known models are {known}")
-    return mujoco.MjSpec.from_file(str(path))
-
-
-def attach(spec: mujoco.MjSpec, name: str, position: Sequence[float]) -> None:
-    """Put model ``name`` into the world at ``position (3,)`` m."""
-    _place(spec, name, spec.worldbody.add_frame(pos=position))
-
-
-def hold(
-    spec: mujoco.MjSpec,
-    name: str,
-    site: str,
-    position: Sequence[float],
-    axes: Sequence[Sequence[float]] = ((1, 0, 0), (0, 1, 0)),
-) -> None:
-    """Fix model ``name`` rigidly at ``site``.
+def baxter(objects: Mapping[str, str] | None = None) -> str:
+    """Return Baxter at its table with empty hands, and objects that can be moved.
 
     Parameters
     ----------
-    spec : MjSpec
-        The scene, changed in place.
-    name : str
-        A model of ``models/``.
-    site : str
-        A site of the scene.
-    position : sequence of 3
-        Origin of the model, in coordinates of the site, m.
-    axes : two sequences of 3
-        The model's x and y axes, in coordinates of the site.
+    objects : mapping of str to str, optional
+        Name of each object and its model: ``"dock"`` (a U that opens along its y) or
+        ``"marker"`` (a puck). They are mocap bodies, moved by ``data.mocap_pos`` and
+        ``data.mocap_quat``, and touch nothing. They start on an arc before the robot. The
+        keyframe ``home`` is ``READY``.
 
-    Raises
-    ------
-    SimulationError
-        If the scene has no such site; the message names those that exist.
+    Returns
+    -------
+    str
+        MJCF text.
     """
-    at = _site(spec, site)
-    x, y = np.array(axes, float)
-    rotation = np.stack([x, y, np.cross(x, y)], axis=1)
-    frame = at.parent.add_frame(pos=at.pos + np.asarray(position), quat=_quaternion(rotation))
-    _place(spec, name, frame)
+    spec = _baxter()
+    for i, (name, model) in enumerate((objects or {}).items()):
+        angle = np.pi / 6 * (i - (len(objects) - 1) / 2)
+        spot = (0.75 * np.cos(angle), -0.75 * np.sin(angle), 0.0)
+        place(spec, model, name, spot, PAINTS[i % len(PAINTS)])
+    spec.add_key(name="home", qpos=READY)
+    return text(spec)
 
 
-def text(spec: mujoco.MjSpec) -> str:
-    """Return the MJCF text of a scene that compiles."""
-    spec.compile()
-    return spec.to_xml()
+def planar3(objects: Sequence[str] = ("first", "second")) -> str:
+    """Return the arm of three links in the horizontal plane, and pucks to point at.
 
+    Joints ``joint1``, ``joint2``, ``joint3``; sites of the same names and ``tip``, whose x is the
+    direction that the arm points at. Keyframe ``home``.
 
-def _stage(spec: mujoco.MjSpec, floor: float) -> None:
-    """Add sky, a floor at height ``floor`` m that fades into it, and light with one shadow."""
-    sky = (0.87, 0.895, 0.92)
-    spec.stat.extent = 1.6
-    spec.stat.center = (0.3, 0, 0)
-    spec.visual.rgba.fog = (*sky, 1)
-    spec.visual.map.fogstart = 2.2
-    spec.visual.map.fogend = 7
-    spec.visual.map.shadowclip = 1.4
-    spec.visual.quality.numslices = 28
-    spec.visual.quality.numstacks = 10
-    spec.visual.quality.numquads = 1
-    spec.visual.headlight.ambient = (0.37, 0.37, 0.37)
-    spec.visual.headlight.diffuse = (0.22, 0.22, 0.22)
-    spec.visual.headlight.specular = (0, 0, 0)
-    spec.add_texture(
-        name="sky",
-        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=(0.80, 0.84, 0.89),
-        rgb2=sky,
-        width=128,
-        height=128 * 6,
-    )
-    spec.worldbody.add_geom(
-        name="floor",
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        pos=(0, 0, floor),
-        size=(12, 12, 0.1),
-        rgba=(0.95, 0.95, 0.95, 1),
-        contype=0,
-        conaffinity=0,
-    )
-    spec.worldbody.add_light(
-        name="key",
-        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        pos=(1.5, 1.0, floor + 4),
-        dir=(-0.35, -0.45, -1),
-        diffuse=(0.40, 0.40, 0.39),
-        specular=(0.3, 0.3, 0.3),
-        castshadow=True,
-    )
-    spec.worldbody.add_light(
-        name="fill",
-        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        dir=(-0.6, 0.8, -0.4),
-        diffuse=(0.18, 0.18, 0.19),
-        specular=(0.1, 0.1, 0.1),
-        castshadow=False,
-    )
+    Parameters
+    ----------
+    objects : sequence of str
+        Names of mocap bodies, moved by ``data.mocap_pos``.
 
-
-def _camera(
-    spec: mujoco.MjSpec,
-    name: str,
-    position: Sequence[float],
-    target: Sequence[float],
-    fovy: float,
-) -> None:
-    """Add a camera at ``position`` that looks at ``target``, upright, with ``fovy`` degrees."""
-    backward = np.subtract(position, target)
-    right = np.cross((0, 0, 1), backward)
-    up = np.cross(backward, right)
-    axes = [axis / np.linalg.norm(axis) for axis in (right, up, backward)]
-    quaternion = _quaternion(np.stack(axes, axis=1))
-    spec.worldbody.add_camera(name=name, pos=position, quat=quaternion, fovy=fovy)
-
-
-def _quaternion(rotation: np.ndarray) -> np.ndarray:
-    """Return the unit quaternion (w, x, y, z) of a rotation matrix."""
-    quaternion = np.empty(4)
-    mujoco.mju_mat2Quat(quaternion, rotation.ravel())
-    return quaternion
-
-
-def _place(spec: mujoco.MjSpec, name: str, frame: mujoco.MjsFrame) -> None:
-    """Attach model ``name`` at ``frame``; what is called ``name`` inside keeps its name.
-
-    MjSpec cannot save models attached without a prefix, so all other names get ``<name>_``.
+    Returns
+    -------
+    str
+        MJCF text.
     """
-    spec.attach(read(name), frame=frame, prefix=f"{name}_")
-    for kind in (spec.body, spec.geom, spec.site):
-        element = kind(f"{name}_{name}")
-        if element is not None:
-            element.name = name
+    spec = _planar("planar3", objects, fovy=27)
+    spec.add_key(name="home", qpos=(1.8, -0.9, -0.6))
+    return text(spec)
 
 
-def _site(spec: mujoco.MjSpec, name: str) -> mujoco.MjsSite:
-    """Return the site of a scene, or say which ones it has."""
-    site = spec.site(name)
-    if site is None:
-        known = ", ".join(s.name for s in spec.sites)
-        raise SimulationError(f"the scene has no site {name!r}: its sites are {known}")
-    return site
+def planar5(objects: Sequence[str] = ("left_object", "right_object")) -> str:
+    """Return the trunk with two arms of two links in the horizontal plane, and pucks to track.
+
+    Joints ``trunk``, ``left_shoulder``, ``left_elbow``, ``right_shoulder``, ``right_elbow``; sites
+    of the same names, ``left_hand`` and ``right_hand``. Keyframe ``home``: the trunk along y, the
+    hands ahead of it.
+
+    Parameters
+    ----------
+    objects : sequence of str
+        Names of mocap bodies, moved by ``data.mocap_pos``.
+
+    Returns
+    -------
+    str
+        MJCF text.
+    """
+    spec = _planar("planar5", objects, fovy=30)
+    spec.add_key(name="home", qpos=(np.pi / 2, 0.9, -1.1, -0.9, 1.1))
+    return text(spec)
+
+
+def _baxter() -> mujoco.MjSpec:
+    """Return Baxter at its table, lit, with the cameras ``hero``, ``hands`` and ``side``."""
+    spec = read("baxter")
+    light(spec, FLOOR)
+    place(spec, "table", "table", position=(0.7, 0, -0.22))
+    camera(spec, "hero", position=(2.4, 1.3, 0.75), target=(0.32, 0.05, 0.2), fovy=30)
+    camera(spec, "hands", position=(1.35, 0.6, 0.4), target=(0.55, 0.06, 0.19), fovy=32)
+    camera(spec, "side", position=(0.9, 2.9, 0.45), target=(0.35, 0, 0.08), fovy=32)
+    return spec
+
+
+def _planar(name: str, objects: Sequence[str], fovy: float) -> mujoco.MjSpec:
+    """Return a planar robot on the floor, pucks on a half circle before it, cameras above."""
+    spec = read(name)
+    light(spec, -0.06)
+    angles = np.linspace(np.pi, 0, len(objects) + 2)[1:-1]
+    for i, (marker, angle) in enumerate(zip(objects, angles, strict=True)):
+        spot = (0.7 * np.cos(angle), 0.7 * np.sin(angle), -0.054)
+        place(spec, "marker", marker, spot, PAINTS[i % len(PAINTS)])
+    camera(spec, "hero", position=(0, -0.95, 1.9), target=(0, 0.27, 0), fovy=fovy)
+    camera(spec, "top", position=(0, 0.29, 2.5), target=(0, 0.3, 0), fovy=fovy)
+    return spec

@@ -33,6 +33,8 @@ CUTOFF = 1e-3
 
 def pseudoinverse(J: ArrayLike, damping: float = 0.0) -> np.ndarray:
     """Right pseudo-inverse J⁺ (..., n, m) of a Jacobian (..., m, n), bounded at any posture."""
+    if not damping >= 0:
+        raise ArgumentError(f"damping is {damping}; give a singular value of J, at least 0")
     U, singular, Vt = np.linalg.svd(np.asarray(J, float), full_matrices=False)
     lost = singular < CUTOFF if damping == 0 else False
     inverted = np.where(lost, 0.0, singular) / np.maximum(singular, damping or CUTOFF) ** 2

@@ -39,6 +39,9 @@ from tpsim.learning.hmm import fit_hmm as fit_hmm
 from tpsim.learning.hsmm import HSMM as HSMM
 from tpsim.learning.hsmm import fit_hsmm as fit_hsmm
 from tpsim.learning.markov import MarkovChain as MarkovChain
+from tpsim.learning.pgmm import PGMM as PGMM
+from tpsim.learning.pgmm import fit_pgmm as fit_pgmm
+from tpsim.learning.pgmm import task_vector as task_vector
 from tpsim.learning.semi_markov import SemiMarkovChain as SemiMarkovChain
 from tpsim.learning.subspace import HDDC as HDDC
 from tpsim.learning.subspace import MFA as MFA

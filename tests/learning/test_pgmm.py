@@ -42,9 +42,10 @@ def test_reference_parameters_appear_with_its_two_additions():
     np.testing.assert_allclose(history, FIGURES["log_likelihood"], rtol=1e-8)
     np.testing.assert_allclose(model.priors, FIGURES["priors"], rtol=1e-8)
     np.testing.assert_allclose(model.covariance, FIGURES["covariance"], rtol=1e-8, atol=1e-10)
-    np.testing.assert_allclose(model.maps, FIGURES["maps"], rtol=1e-8, atol=1e-9)
+    # Five situations for nine unknowns: the inverted matrix is singular but for its 1e-4 I.
+    np.testing.assert_allclose(model.maps, FIGURES["maps"], atol=1e-7)
     new = model.adapt(FIGURES["new_parameters"]).gaussians.mean
-    np.testing.assert_allclose(new, FIGURES["new_means"], rtol=1e-8, atol=1e-9)
+    np.testing.assert_allclose(new, FIGURES["new_means"], rtol=1e-7, atol=1e-8)
 
 
 def test_ours_is_likelier_than_the_reference():

@@ -126,7 +126,7 @@ def test_two_levels_of_priority_are_the_classical_ones():
     classical = classical + null @ np.linalg.pinv(J_OTHER) @ (B_OBJECT - X_OTHER)
     for first, second in ((1e-4, 1.0), (1.0, 1e-4)):
         local = [Gaussian(np.zeros(M), first * spd(M)), Gaussian(np.zeros(K), second * spd(K))]
-        product = adapted(stack, [*local, Gaussian(Q, spd(N))])
+        product = adapted(stack, [*local, Gaussian(stack[2].to_local(Q), spd(N))])
         np.testing.assert_allclose(product.mean, Q + classical, atol=1e-9)
         np.testing.assert_allclose(J @ (product.mean - Q), B_OBJECT - X, atol=1e-9)
 

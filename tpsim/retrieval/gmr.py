@@ -178,9 +178,9 @@ class Regression:
 
     def _check(self, inputs: NDArray, size: int) -> NDArray:
         lead = self.input_mean.shape[:-2]
-        if size == 1 and (inputs.ndim <= len(lead) or inputs.shape[-1:] != (1,)):
+        if size == 1 and inputs.ndim <= 1:
             inputs = inputs[..., None]
-        if inputs.ndim == 0 or inputs.shape[-1] != size:
+        if inputs.shape[-1:] != (size,):
             raise ArgumentError(f"inputs {inputs.shape} must have {size} values in the last axis")
         if lead and inputs.shape[:-1] != lead:
             raise ArgumentError(

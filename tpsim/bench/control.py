@@ -1,0 +1,88 @@
+"""Speeds of optimal control: tracking, regulators, impedance, projection frames."""
+
+from collections.abc import Callable
+from time import process_time
+
+import numpy as np
+
+from tpsim.control import projection
+from tpsim.control.impedance import impedance
+from tpsim.control.lqr import lqr
+from tpsim.control.lqt import lqt, lqt_batch
+from tpsim.control.system import integrator
+
+
+def run(quick: bool = False) -> dict:
+    """Median times of the controllers, and how tracking grows with the horizon.
+
+    Parameters
+    ----------
+    quick : bool
+        Fewer repetitions, and a growth factor from 2000 steps instead of 10000.
+
+    Returns
+    -------
+    dict
+        Times in ms or us as the names say, for 3 dimensions and a double integrator; factors
+        are the cost of the long horizon over that of T = 1000 (linear: the ratio of lengths).
+
+    """
+    repeat = 3 if quick else 15
+    long = 2000 if quick else 10000
+    system = integrator(3, 0.01)
+    times = {}
+    for name, T in (("short", 1000), ("long", long)):
+        means, precisions = _stepwise_reference(T)
+        feedback = lqt(means, precisions, system, 1e-2)
+        start = means[0]
+        calls = {
+            "recursive": lambda m=means, p=precisions: lqt(m, p, system, 1e-2),
+            "batch": lambda m=means, p=precisions, s=start: lqt_batch(m, p, system, 1e-2, s),
+            "rollout": lambda f=feedback, s=start: f.rollout(s),
+            "covariance": feedback.covariance,
+        }
+        times[name] = {key: median_time(call, repeat) for key, call in calls.items()}
+    figures = {f"{key}_1000_ms": 1e3 * value for key, value in times["short"].items()}
+    figures |= {
+        f"{key}_factor_{long // 1000}": value / times["short"][key]
+        for key, value in times["long"].items()
+    }
+    return figures | _single_step(repeat)
+
+
+def median_time(call: Callable[[], object], repeat: int) -> float:
+    """Median processor time [s] of one call, after one that warms up."""
+    call()
+    times = []
+    for _ in range(repeat):
+        start = process_time()
+        call()
+        times.append(process_time() - start)
+    return float(np.median(times))
+
+
+def _single_step(repeat: int) -> dict:
+    """Times of what a control loop calls once a step."""
+    rng = np.random.default_rng(1)
+    J, q, x = rng.normal(size=(6, 7)), rng.normal(size=7), rng.normal(size=6)
+    precision = np.diag(rng.uniform(1.0, 100.0, 7))
+    window = _stepwise_reference(50)
+    system = integrator(3, 0.01)
+    calls = {
+        "horizon_50_us": lambda: lqt(*window, system, 1e-2),
+        "regulator_us": lambda: lqr(system, window[1][0], 1e-2),
+        "impedance_7_us": lambda: impedance(precision, 1e-2),
+        "relative_6x7_us": lambda: projection.relative(J, q, x, np.eye(6), x),
+        "nullspace_relative_6x7_us": lambda: projection.nullspace_relative(
+            J, q, J, x, np.eye(6), x
+        ),
+    }
+    return {key: 1e6 * median_time(call, 20 * repeat) for key, call in calls.items()}
+
+
+def _stepwise_reference(T: int) -> tuple[np.ndarray, np.ndarray]:
+    """Means (T, 6) and precisions (T, 6, 6) of five Gaussians, each for a fifth of the time."""
+    rng = np.random.default_rng(0)
+    state = np.arange(T) * 5 // T
+    roots = rng.normal(size=(5, 6, 6))
+    return rng.normal(size=(5, 6))[state], (roots @ roots.mT + 0.1 * np.eye(6))[state]

@@ -34,7 +34,11 @@ class Painter:
         model.vis.global_.offwidth = width
         model.vis.global_.offheight = height
         model.vis.quality.offsamples = antialias
-        model.vis.quality.shadowsize = 4096 if antialias else 2048
+        model.vis.quality.shadowsize = 1536
+        if antialias:
+            model.vis.quality.shadowsize = 4096
+            model.vis.quality.numslices = 48
+            model.vis.quality.numstacks = 24
         self._clip = clip
         self._camera = clip.camera or camera
         self._model = model

@@ -84,7 +84,7 @@ def light(spec: mujoco.MjSpec, floor: float) -> None:
     spec.visual.map.fogstart = 2.2
     spec.visual.map.fogend = 7
     spec.visual.map.shadowclip = 1.8
-    spec.visual.quality.numslices = 28
+    spec.visual.quality.numslices = 24
     spec.visual.quality.numstacks = 10
     spec.visual.quality.numquads = 1
     spec.visual.headlight.ambient = (0.37, 0.37, 0.37)

@@ -10,8 +10,9 @@ import numpy as np
 
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
+from tpsim.learning.moments import Moments
 from tpsim.learning.regularisation import Regularisation, Ridge, data_floors
-from tpsim.learning.statistics import Components, Moments, Samples
+from tpsim.learning.statistics import Components, Samples
 from tpsim.learning.subspace import Structure
 
 EMPTY = 1e-10  # share of a sample below which a component is left where it is
@@ -57,8 +58,8 @@ class Mixture:
 def regularisation(samples: Samples, ridge: float | None) -> tuple[Regularisation, ...]:
     """Regularisation per group of frames: the data's own floor, or a ridge (Eq. 8)."""
     if ridge is None:
-        total = samples.moments(np.ones((samples.count, 1)))
-        return data_floors(list(total.scatter), samples.count)
+        total = samples.total()
+        return data_floors(list(total.scatter), total.weight[0])
     if not (np.isfinite(ridge) and ridge >= 0):
         raise ArgumentError(f"ridge is {ridge}; it must be a finite number >= 0, or None")
     return tuple(Ridge(float(ridge)) for _ in samples.groups)

@@ -6,15 +6,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian, finite_array
 from tpsim.learning.em import Mixture, em, maximise, project, regularisation
-from tpsim.learning.start import kmeans, split_in_time, spread_centres, standardised
+from tpsim.learning.start import kmeans, split_in_time, spread_centres, standardised, time_of
 from tpsim.learning.statistics import Samples
 from tpsim.learning.subspace import Structure, structure_of
 
 Start = str | tuple[np.ndarray, Sequence[Gaussian]] | None
 """``"time"``, ``"kmeans"``, priors and Gaussians of a model, or None for the best of both."""
+
+
+Views = Sequence[Demonstration] | Sequence[ArrayLike]
+"""Demonstrations, or what each of P frames saw, (N, d_j)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +29,34 @@ class Fit:
     priors: np.ndarray
     frames: tuple[Gaussian, ...]
     history: np.ndarray
-    samples: int
+    samples: Samples
     structure: Structure
+
+
+def views_of(observations: Views) -> tuple[list[np.ndarray], list[int]]:
+    """Views (N, d_j) of all frames, and the lengths of the sequences they are made of."""
+    observations = list(observations)
+    if observations and all(isinstance(o, Demonstration) for o in observations):
+        counts = {len(demonstration.frames) for demonstration in observations}
+        dims = {tuple(v.shape[1] for v in d.observations) for d in observations}
+        if len(dims) != 1 or counts == {0}:
+            raise ArgumentError(
+                f"the demonstrations have views of dimensions {sorted(dims)}; all need the same "
+                "frames, at least one"
+            )
+        views = [
+            np.concatenate(view)
+            for view in zip(*(d.observations for d in observations), strict=True)
+        ]
+        return views, [len(demonstration) for demonstration in observations]
+    views = [finite_array("observations", view) for view in observations]
+    shapes = [view.shape for view in views]
+    if not views or any(len(s) != 2 or 0 in s or s[0] != shapes[0][0] for s in shapes):
+        raise ArgumentError(
+            f"observations have shapes {shapes}; give demonstrations, or one (N, d_j) array per "
+            "frame with the same N >= 1"
+        )
+    return views, [len(views[0])]
 
 
 def fit(
@@ -63,7 +94,7 @@ def fit(
         if best is None or found[1][-1] > best[1][-1]:
             best = found
     mixture, history = best
-    return Fit(mixture.priors, mixture.frames(samples), history, samples.count, structure)
+    return Fit(mixture.priors, mixture.frames(samples), history, samples, structure)
 
 
 def _starts(start, views, lengths, components, restarts, time, rng) -> Iterator:
@@ -77,7 +108,7 @@ def _starts(start, views, lengths, components, restarts, time, rng) -> Iterator:
         yield np.zeros(len(views[0]), int)
         return
     if start != "kmeans":
-        yield split_in_time(_time(views, lengths, time), components)
+        yield split_in_time(time_of(views, lengths, time), components)
     if start != "time":
         points = standardised(views)
         rng = np.random.default_rng(0) if rng is None else rng
@@ -95,23 +126,6 @@ def _given(model, components: int, samples: Samples) -> Mixture:
     if shapes != expected:
         raise ArgumentError(f"start has means of shapes {shapes}; the data ask for {expected}")
     return Mixture.of(np.maximum(priors, np.finfo(float).tiny), frames, samples)
-
-
-def _time(views, lengths, time) -> np.ndarray:
-    """Time of every sample: as given, a first column shared by all frames, or progress."""
-    if time is not None:
-        time = finite_array("time", time)
-        if time.shape != (len(views[0]),):
-            raise ArgumentError(
-                f"time has shape {time.shape}; it needs one number per sample, N = {len(views[0])}"
-            )
-        return time
-    if len(lengths) == 1:
-        column = views[0][:, 0]
-        steady = abs(np.sign(np.diff(column)).mean()) > 0.8
-        if steady and all(np.array_equal(view[:, 0], column) for view in views[1:]):
-            return column
-    return np.concatenate([np.linspace(0.0, 1.0, length) for length in lengths])
 
 
 def _check_options(components, tolerance, max_iterations, restarts) -> None:

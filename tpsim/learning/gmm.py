@@ -166,7 +166,9 @@ def fit_gmm(
         time=time,
         rng=rng,
     )
-    return GMM(fitted.priors, fitted.frames[0], fitted.history, fitted.samples, fitted.structure)
+    return GMM(
+        fitted.priors, fitted.frames[0], fitted.history, fitted.samples.count, fitted.structure
+    )
 
 
 def _sequences(data) -> list[np.ndarray]:

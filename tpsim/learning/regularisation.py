@@ -96,14 +96,14 @@ class Floor:
 Regularisation = Ridge | Floor
 
 
-def data_floors(totals: list[np.ndarray], count: int) -> tuple[Floor, ...]:
+def data_floors(totals: list[np.ndarray], count: float) -> tuple[Floor, ...]:
     """Floors that the data set, one per group of frames; see the module's docstring.
 
     Parameters
     ----------
     totals : list of (G, 1, d, d)
         Covariance of all samples in the frames of each group.
-    count : int
+    count : float
         Number of samples N.
 
     Raises

@@ -3,6 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from tpsim.errors import ArgumentError
+from tpsim.gaussian import finite_array
 
 
 def split_in_time(time: np.ndarray, components: int) -> np.ndarray:
@@ -14,6 +18,30 @@ def split_in_time(time: np.ndarray, components: int) -> np.ndarray:
         labels = np.empty(len(time), int)
         labels[order] = np.arange(len(time)) * components // len(time)
     return labels
+
+
+def time_of(
+    views: Sequence[np.ndarray], lengths: Sequence[int], time: ArrayLike | None = None
+) -> np.ndarray:
+    """Time of every sample, 0 to 1: as given, a first column of all frames, or progress."""
+    if time is not None:
+        time = finite_array("time", time)
+        if time.shape != (len(views[0]),):
+            raise ArgumentError(
+                f"time has shape {time.shape}; it needs one number per sample, N = {len(views[0])}"
+            )
+        return _unit_range(time)
+    if len(lengths) == 1:
+        column = views[0][:, 0]
+        steady = abs(np.sign(np.diff(column)).mean()) > 0.8
+        if steady and all(np.array_equal(view[:, 0], column) for view in views[1:]):
+            return _unit_range(column)
+    return np.concatenate([np.linspace(0.0, 1.0, length) for length in lengths])
+
+
+def _unit_range(time: np.ndarray) -> np.ndarray:
+    first, last = time.min(), time.max()
+    return (time - first) / (last - first) if last > first else np.zeros_like(time)
 
 
 def standardised(views: Sequence[np.ndarray]) -> np.ndarray:

@@ -14,9 +14,11 @@ import numpy as np
 
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import LOG_2PI, cholesky
+from tpsim.learning.moments import CAPACITY, Memory, Moments
 
 CACHE_BYTES = 2**28  # features are kept up to this size, else made anew in every pass
 BLOCK_BYTES = 2**20  # one block of samples at a time: what stays in the processor's cache
+SEGMENT = 4  # successive samples that a model remembers as one
 FAINTEST = -200.0  # log of the least responsibility: smaller ones make slow subnormal numbers
 
 
@@ -39,27 +41,16 @@ class Components:
     factors: tuple[np.ndarray, ...] | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Moments:
-    """Weighted moments of the samples for K components, Eqs (50-52).
+class Samples:
+    """N samples seen from P frames, (N, d_j) each, ready for the passes of EM.
 
     Parameters
     ----------
-    weight : (K,)
-        Sum of responsibilities.
-    mean : tuple of (G, K, d)
-        Per group of frames.
-    scatter : tuple of (G, K, d, d)
-        Covariance around ``mean``, per group of frames.
-    """
-
-    weight: np.ndarray
-    mean: tuple[np.ndarray, ...]
-    scatter: tuple[np.ndarray, ...]
-
-
-class Samples:
-    """N samples seen from P frames, (N, d_j) each, ready for the passes of EM.
+    views : sequence of P arrays (N, d_j)
+        What each frame saw.
+    memory : Memory, optional
+        Earlier samples of which only moments are left; their expected log density is just as
+        linear in the features.
 
     Attributes
     ----------
@@ -69,11 +60,12 @@ class Samples:
         Number of samples N.
     """
 
-    def __init__(self, views: Sequence[np.ndarray]):
+    def __init__(self, views: Sequence[np.ndarray], memory: Memory | None = None):
         dims = [view.shape[1] for view in views]
         self.dims = tuple(sorted(set(dims)))
         self.groups = tuple(tuple(j for j, d in enumerate(dims) if d == dim) for dim in self.dims)
         self.count = len(views[0])
+        self._memory = memory
         self._triangles = tuple(np.triu_indices(d) for d in self.dims)
         self._stacks = tuple(np.stack([views[j].T for j in group]) for group in self.groups)
         self._centres = tuple(stack.mean(-1) for stack in self._stacks)
@@ -93,9 +85,16 @@ class Samples:
         return np.concatenate([(weights @ features).T for _, features in self._blocks()])
 
     def moments(self, responsibilities: np.ndarray) -> Moments:
-        """Weighted moments for given responsibilities (N, K), Eqs (50-52)."""
+        """Moments of the samples, without memory, for responsibilities (N, K), Eqs (50-52)."""
         total = sum(responsibilities[rows].T @ features.T for rows, features in self._blocks())
         return self._moments(total)
+
+    def total(self) -> Moments:
+        """Moments of all samples, and of the memory, as one group."""
+        total = sum(features.sum(1) for _, features in self._blocks())
+        for weight, features in self._recalled():
+            total = total + features @ weight
+        return self._moments(total[None])
 
     def expectation(
         self, priors: np.ndarray, components: Sequence[Components]
@@ -103,17 +102,36 @@ class Samples:
         """Mean log-likelihood, Eq. (49), and the moments it asks for, in one pass."""
         weights = self._weights(components)
         weights[:, 0] += np.log(priors)
-        log_likelihood, total = 0.0, 0.0
+        log_likelihood, count, total = 0.0, self.count, 0.0
         for _, features in self._blocks():
-            joint = weights @ features
-            top = joint.max(0)
-            np.maximum(np.subtract(joint, top, out=joint), FAINTEST, out=joint)
-            np.exp(joint, out=joint)
-            evidence = joint.sum(0)
-            joint /= evidence
-            log_likelihood += top.sum() + np.log(evidence).sum()
+            evidence, joint = _responsibilities(weights @ features)
+            log_likelihood += evidence.sum()
             total = total + joint @ features.T
-        return float(log_likelihood) / self.count, self._moments(total)
+        for weight, features in self._recalled():
+            evidence, joint = _responsibilities(weights @ features)
+            log_likelihood += evidence @ weight
+            total = total + (joint * weight) @ features.T
+            count += weight.sum()
+        return float(log_likelihood) / count, self._moments(total)
+
+    def remembered(self, time: np.ndarray, lengths: Sequence[int]) -> Memory:
+        """What to remember of the samples, at times (N,), and of the memory."""
+        run = max(SEGMENT, -(-self.count // CAPACITY))
+        ends = np.cumsum(lengths)
+        cuts = [np.arange(end - n, end, run) for end, n in zip(ends, lengths, strict=True)]
+        cuts = np.unique(np.concatenate([*cuts, [rows.start for rows in self._slices]]))
+        totals = [
+            np.add.reduceat(
+                features, cuts[(cuts >= rows.start) & (cuts < rows.stop)] - rows.start, axis=1
+            )
+            for rows, features in self._blocks()
+        ]
+        times = [np.add.reduceat(time, cuts) / np.diff(cuts, append=self.count)]
+        for weight, features in self._recalled():
+            totals.append(features * weight)
+            times.append(self._memory.time)
+        moments = self._moments(np.concatenate(totals, axis=1).T)
+        return Memory(moments, np.concatenate(times)).within(CAPACITY)
 
     def _blocks(self) -> Iterator[tuple[slice, np.ndarray]]:
         if self._cache is not None:
@@ -122,18 +140,41 @@ class Samples:
 
     def _features(self, rows: slice) -> np.ndarray:
         """Features [1, x, vech(x x')] of all frames, one column per sample."""
-        n = len(range(*rows.indices(self.count)))
-        features = np.empty((self._size, n))
-        features[0] = 1.0
-        start = 1
+        parts = []
         for stack, centre, scale, (i, j) in zip(
             self._stacks, self._centres, self._scales, self._triangles, strict=True
         ):
             x = (stack[:, :, rows] - centre[..., None]) / scale[..., None]
-            for part in (x, x[:, i] * x[:, j]):
-                part = part.reshape(-1, n)
-                features[start : start + len(part)] = part
-                start += len(part)
+            parts += [x, x[:, i] * x[:, j]]
+        return self._assembled(parts)
+
+    def _recalled(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Weights (L,) and mean features (F, L) of the samples in memory."""
+        if self._memory is None:
+            return
+        parts = []
+        for mean, scatter, centre, scale, (i, j) in zip(
+            self._memory.moments.mean,
+            self._memory.moments.scatter,
+            self._centres,
+            self._scales,
+            self._triangles,
+            strict=True,
+        ):
+            x = ((mean - centre[:, None]) / scale[:, None]).mT
+            within = (scatter / (scale[:, None, :, None] * scale[:, None, None, :]))[..., i, j].mT
+            parts += [x, x[:, i] * x[:, j] + within]
+        yield self._memory.moments.weight, self._assembled(parts)
+
+    def _assembled(self, parts: list[np.ndarray]) -> np.ndarray:
+        n = parts[0].shape[-1]
+        features = np.empty((self._size, n))
+        features[0] = 1.0
+        start = 1
+        for part in parts:
+            part = part.reshape(-1, n)
+            features[start : start + len(part)] = part
+            start += len(part)
         return features
 
     def _weights(self, components: Sequence[Components]) -> np.ndarray:
@@ -175,6 +216,16 @@ class Samples:
             means.append(centre[:, None] + scale[:, None] * first)
             scatters.append(scatter * (scale[:, None, :, None] * scale[:, None, None, :]))
         return Moments(weight, tuple(means), tuple(scatters))
+
+
+def _responsibilities(joint: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Log evidence (n,) and responsibilities (K, n) from log densities, which are overwritten."""
+    top = joint.max(0)
+    np.maximum(np.subtract(joint, top, out=joint), FAINTEST, out=joint)
+    np.exp(joint, out=joint)
+    evidence = joint.sum(0)
+    joint /= evidence
+    return top + np.log(evidence), joint
 
 
 def _spread(stack: np.ndarray, centre: np.ndarray) -> np.ndarray:

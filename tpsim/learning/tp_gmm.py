@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import load_arrays, save_arrays
-from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
-from tpsim.gaussian import Gaussian, finite_array
-from tpsim.learning.fit import Start, fit
+from tpsim.gaussian import Gaussian
+from tpsim.learning.fit import Start, Views, fit, views_of
 from tpsim.learning.gmm import (
     GMM,
     checked_priors,
@@ -23,10 +22,10 @@ from tpsim.learning.gmm import (
     model_fields,
     posterior,
 )
+from tpsim.learning.moments import Memory
 from tpsim.learning.product import product_of_frames, product_with_ridge
+from tpsim.learning.start import time_of
 from tpsim.learning.subspace import FULL, Structure
-
-Views = Sequence[Demonstration] | Sequence[ArrayLike]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +44,8 @@ class TPGMM:
         Number of samples behind the fit.
     structure : covariance structure
         Decides the number of free parameters.
+    memory : Memory, optional
+        Moments of short runs of the samples, for :func:`tpsim.learning.incremental.update_tp_gmm`.
 
     Raises
     ------
@@ -57,6 +58,7 @@ class TPGMM:
     history: np.ndarray = field(default_factory=lambda: np.empty(0))
     samples: int = 0
     structure: Structure = FULL
+    memory: Memory | None = None
 
     def __post_init__(self):
         priors, frames = checked_priors(self.priors), tuple(self.frames)
@@ -156,6 +158,8 @@ class TPGMM:
         model = model_arrays(self)
         for j, gaussian in enumerate(self.frames):
             model |= {f"mean_{j}": gaussian.mean, f"covariance_{j}": gaussian.covariance}
+        if self.memory is not None:
+            model |= self.memory.arrays()
         return save_arrays(path, "TPGMM", model)
 
     @classmethod
@@ -164,7 +168,8 @@ class TPGMM:
         arrays = load_arrays(path, "TPGMM")
         count = sum(name.startswith("mean_") for name in arrays)
         frames = (Gaussian(arrays[f"mean_{j}"], arrays[f"covariance_{j}"]) for j in range(count))
-        return cls(arrays["priors"], tuple(frames), **model_fields(arrays))
+        memory = Memory.of_arrays(arrays)
+        return cls(arrays["priors"], tuple(frames), **model_fields(arrays), memory=memory)
 
     def _stack(self, group: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
         """Means (G, K, d) and precisions (G, K, d, d) of frames of equal dimension."""
@@ -203,32 +208,6 @@ class TPGMM:
                 "be given, and all must agree"
             )
         return frames
-
-
-def views_of(observations: Views) -> tuple[list[np.ndarray], list[int]]:
-    """Views (N, d_j) of all frames, and the lengths of the sequences they are made of."""
-    observations = list(observations)
-    if observations and all(isinstance(o, Demonstration) for o in observations):
-        counts = {len(demonstration.frames) for demonstration in observations}
-        dims = {tuple(v.shape[1] for v in d.observations) for d in observations}
-        if len(dims) != 1 or counts == {0}:
-            raise ArgumentError(
-                f"the demonstrations have views of dimensions {sorted(dims)}; all need the same "
-                "frames, at least one"
-            )
-        views = [
-            np.concatenate(view)
-            for view in zip(*(d.observations for d in observations), strict=True)
-        ]
-        return views, [len(demonstration) for demonstration in observations]
-    views = [finite_array("observations", view) for view in observations]
-    shapes = [view.shape for view in views]
-    if not views or any(len(s) != 2 or 0 in s or s[0] != shapes[0][0] for s in shapes):
-        raise ArgumentError(
-            f"observations have shapes {shapes}; give demonstrations, or one (N, d_j) array per "
-            "frame with the same N >= 1"
-        )
-    return views, [len(views[0])]
 
 
 def fit_tp_gmm(
@@ -308,4 +287,11 @@ def fit_tp_gmm(
         time=time,
         rng=rng,
     )
-    return TPGMM(fitted.priors, fitted.frames, fitted.history, fitted.samples, fitted.structure)
+    return TPGMM(
+        fitted.priors,
+        fitted.frames,
+        fitted.history,
+        fitted.samples.count,
+        fitted.structure,
+        fitted.samples.remembered(time_of(views, lengths, time), lengths),
+    )

@@ -1,0 +1,103 @@
+"""Learning on: new demonstrations for a TP-GMM whose old data are gone (Sections 3 and 9)."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from tpsim.errors import ArgumentError
+from tpsim.learning.em import Mixture, em, maximise, project, regularisation
+from tpsim.learning.fit import Views, views_of
+from tpsim.learning.moments import Memory
+from tpsim.learning.regularisation import Regularisation
+from tpsim.learning.start import split_in_time, time_of
+from tpsim.learning.statistics import Components, Samples
+from tpsim.learning.tp_gmm import TPGMM
+
+WIDER = 0.01  # of the covariance of all samples, added to every component of a start
+
+
+def update_tp_gmm(
+    model: TPGMM,
+    demonstrations: Views,
+    *,
+    retention: float = 1.0,
+    ridge: float | None = None,
+    tolerance: float = 1e-5,
+    max_iterations: int = 100,
+) -> TPGMM:
+    """Learn new demonstrations without the old ones.
+
+    A model remembers the moments of short runs of its samples, at most 1024 of them however many
+    demonstrations there were. Log densities are linear in those moments, so EM runs on new
+    samples and memory together, from the model as it is, and no sample is lost: one run only
+    shares its responsibilities.
+
+    Parameters
+    ----------
+    model : TPGMM
+        As :func:`tpsim.learning.tp_gmm.fit_tp_gmm` or an earlier update gave it.
+    demonstrations : sequence of Demonstration, or of P arrays (N, d_j)
+        New data, seen from the same frames; rows in the order of time.
+    retention : float
+        What an old sample counts against a new one, above 0; less than 1 forgets.
+    ridge : float, optional
+        As in :func:`tpsim.learning.tp_gmm.fit_tp_gmm`.
+    tolerance : float
+        As in :func:`tpsim.learning.tp_gmm.fit_tp_gmm`.
+    max_iterations : int
+        As in :func:`tpsim.learning.tp_gmm.fit_tp_gmm`.
+
+    Returns
+    -------
+    TPGMM
+        Of the same number of components and the same covariance structure. ``history`` is the
+        mean log-likelihood of new samples and memory.
+
+    Raises
+    ------
+    ArgumentError
+        A model without memory, or views that do not fit it.
+    """
+    views, lengths = views_of(demonstrations)
+    _check(model, views, retention)
+    samples = Samples(views, model.memory.times(retention))
+    memory = samples.remembered(time_of(views, lengths), lengths)
+    limits = regularisation(samples, ridge)
+    found = [
+        em(samples, start, model.structure, limits, tolerance, max_iterations)
+        for start in _starts(model, samples, memory, limits)
+    ]
+    mixture, history = max(found, key=lambda result: result[1][-1])
+    count = round(memory.moments.weight.sum())
+    return TPGMM(mixture.priors, mixture.frames(samples), history, count, model.structure, memory)
+
+
+def _starts(
+    model: TPGMM, samples: Samples, memory: Memory, limits: Sequence[Regularisation]
+) -> Iterator[Mixture]:
+    """Begin from the model, from the model grown wider, and anew from an equal split in time.
+
+    What was learned from few demonstrations is narrower than what the next ones show.
+    """
+    current = Mixture.of(np.maximum(model.priors, 1e-300), model.frames, samples)
+    total = samples.total().scatter
+    for share in (0.0, WIDER):
+        components = tuple(
+            Components(part.mean, part.covariance + share * all_)
+            for part, all_ in zip(current.components, total, strict=True)
+        )
+        yield project(Mixture(current.priors, components), model.structure, limits)
+    labels = split_in_time(memory.time, model.components)
+    yield maximise(memory.moments.pooled(labels, model.components), None, model.structure, limits)
+
+
+def _check(model: TPGMM, views: list[np.ndarray], retention: float) -> None:
+    if model.memory is None:
+        raise ArgumentError("the model has no memory of its samples; fit it with fit_tp_gmm")
+    dims = tuple(view.shape[1] for view in views)
+    if dims != model.dims:
+        raise ArgumentError(
+            f"the new data have views of dimensions {dims}; the model's frames have {model.dims}"
+        )
+    if not (np.isfinite(retention) and retention > 0):
+        raise ArgumentError(f"retention is {retention}; it must be a number above 0")

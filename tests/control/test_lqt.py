@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tpsim import LinearSystem, integrator, lqt, lqt_batch, receding_horizon
+from tpsim import LinearSystem, integrator, lqt, lqt_batch, receding_horizon, trajectory
 from tpsim.errors import ArgumentError
 
 REFERENCE = Path(__file__).parents[1] / "reference"
@@ -190,6 +190,20 @@ def test_free_start_minimises_over_the_first_state_too():
     solution = np.linalg.solve(S.T @ Q @ S + cost, S.T @ Q @ means.ravel())
     close(plan.states[0], solution[:2])
     close(plan.controls[:, 0], solution[2:])
+
+
+def test_trajectory_retrieval_is_tracking_with_zero_effort():
+    """Section 6 on Eq. 29: same least squares when acceleration is free and so is the start."""
+    rng = np.random.default_rng(9)
+    T, dt = 40, 0.1
+    roots = rng.normal(size=(T, 4, 4))
+    covariances = roots @ roots.mT + 0.1 * np.eye(4)
+    means = np.cumsum(rng.normal(size=(T, 4)), axis=0)
+    retrieved = trajectory(means, covariances, dt, derivatives=1)
+    plan = lqt_batch(means, np.linalg.inv(covariances), integrator(2, dt), 0.0)
+    close(plan.states[:, :2], retrieved.mean)
+    velocity = np.diff(retrieved.mean, axis=0) / dt
+    close(plan.states[:-1, 2:], velocity)
 
 
 def test_shrinking_horizon_is_the_plan_and_a_moved_frame_is_followed():

@@ -5,6 +5,8 @@ from scipy.linalg.lapack import dgbsv
 
 from tpsim.control.tracking import TrackingProblem
 
+_PIECE = 512  # steps that are written to the band at a time, to stay in the cache
+
 
 def solve_optimality(
     problem: TrackingProblem, initial: np.ndarray | None
@@ -15,68 +17,75 @@ def solve_optimality(
     lambda_t, and the gradients Λ xi_t + Aᵀ lambda_t - lambda_{t-1} = eta, R u + Bᵀ lambda = 0.
     A definite R eliminates u = -R⁻¹ Bᵀ lambda; a singular one keeps it as an unknown.
     """
-    n, m = problem.system.B.shape
+    A, B = problem.system.A, problem.system.B
+    n, m = B.shape
     if problem.strict:
-        lift = np.linalg.solve(problem.R, problem.system.B.T)
-        blocks = _blocks_of_states(problem, lift)
+        lift = np.linalg.solve(problem.R, B.T)
+        inner = {(n, n): -B @ lift}
+        size = 2 * n
     else:
-        blocks = _blocks_of_states_and_controls(problem)
-    right = np.zeros(blocks.shape[:2])
+        inner = {(n, n): problem.R, (n, n + m): B.T, (n + m, n): B}
+        size = 2 * n + m
+    costate = size - n
+    blocks = {(0, 0): problem.Lambda, (0, costate): A.T, (costate, 0): A} | inner
+    band = _band_of(blocks, len(problem.eta), size, n)
+    right = np.zeros((len(problem.eta), size))
     right[:, :n] = problem.eta
+    # The control and multiplier after the horizon act on nothing: they are set to zero.
+    _place(band[-1:], np.zeros((n, costate)), costate, 0)
+    _place(band[-1:], np.zeros((costate, n)), 0, costate)
+    _place(band[-1:], np.eye(costate), n, n)
     if initial is not None:
-        blocks[0, :n] = np.eye(*blocks.shape[1:])[:n]
+        _place(band[:1], np.eye(n, size), 0, 0)
         right[0, :n] = initial
-    solution = _solve_banded(blocks, right, n)
+    solution = _solve_band(band, right)
     if problem.strict:
         return solution[:, :n], -(lift @ solution[:, n:, None])[..., 0]
     return solution[:, :n], solution[:, n : n + m]
 
 
-def _blocks_of_states(problem, lift):
-    """Diagonal blocks (T, 2 n, 2 n) for the unknowns xi_t, lambda_t."""
-    A, B = problem.system.A, problem.system.B
-    n = len(A)
-    blocks = np.empty((len(problem.eta), 2 * n, 2 * n))
-    blocks[:, :n, :n] = problem.Lambda
-    blocks[:, :n, n:], blocks[:, n:, :n] = A.T, A
-    blocks[:, n:, n:] = -B @ lift
-    _close(blocks, n)
-    return blocks
+def _band_of(blocks, T, size, n):
+    """Band (T, size, 3 width + 1): every column with its neighbours, as LAPACK's gbsv wants it.
+
+    ``blocks`` are the parts of the diagonal block of a step by their row and column, constant or
+    (T, a, b); besides them only -1 stands between lambda_t and xi_{t+1}.
+    """
+    structure = np.zeros((size, size), bool)
+    for (row, column), block in blocks.items():
+        a, b = block.shape[-2:]
+        used = (block != 0).reshape(-1, a, b).any(axis=0)
+        structure[row : row + a, column : column + b] |= used
+    rows, columns = np.nonzero(structure)
+    width = max(n, np.abs(rows - columns).max())
+    step = np.zeros((1, size, 3 * width + 1))
+    step[0, size - n :, 2 * width + n] = -1.0  # column lambda_t, row xi_{t+1}
+    step[0, :n, 2 * width - n] = -1.0  # column xi_{t+1}, row lambda_t
+    for place, block in blocks.items():
+        if block.ndim == 2:
+            _place(step, block, *place)
+    band = np.empty((T, *step.shape[1:]))
+    for start in range(0, T, _PIECE):
+        part = slice(start, start + _PIECE)
+        band[part] = step
+        for place, block in blocks.items():
+            if block.ndim == 3:
+                _place(band[part], block[part], *place)
+    return band
 
 
-def _blocks_of_states_and_controls(problem):
-    """Diagonal blocks (T, 2 n + m, 2 n + m) for the unknowns xi_t, u_t, lambda_t."""
-    A, B = problem.system.A, problem.system.B
-    n, m = B.shape
-    blocks = np.zeros((len(problem.eta), 2 * n + m, 2 * n + m))
-    blocks[:, :n, :n] = problem.Lambda
-    blocks[:, n:-n, n:-n] = problem.R
-    blocks[:, :n, -n:], blocks[:, n:-n, -n:] = A.T, B.T
-    blocks[:, -n:, :n], blocks[:, -n:, n:-n] = A, B
-    _close(blocks, n)
-    return blocks
+def _place(band, block, row, column):
+    """Write a block (a, b) or (T, a, b) at its row and column in every step of the band."""
+    width = band.shape[-1] // 3
+    for i, j in np.ndindex(block.shape[-2:]):
+        offset = row + i - column - j
+        if abs(offset) <= width:
+            band[:, column + j, 2 * width + offset] = block[..., i, j]
 
 
-def _close(blocks, n):
-    """Set the control and multiplier after the horizon, which act on nothing, to zero."""
-    blocks[-1, n:, :] = blocks[-1, :, n:] = 0.0
-    blocks[-1, n:, n:] = np.eye(blocks.shape[1] - n)
-
-
-def _solve_banded(blocks, right, n):
-    """LU of the band matrix with ``blocks`` on its diagonal and -1 between lambda_t, xi_{t+1}."""
-    T, size = right.shape
-    entries = np.argwhere(blocks.any(axis=0))
-    width = max(n, *np.abs(entries[:, 0] - entries[:, 1]))
-    # The layout of LAPACK's gbsv, columns contiguous, with ``width`` more rows for pivoting.
-    diagonal = 2 * width
-    band = np.zeros((T, size, diagonal + width + 1))
-    for start in range(0, T, 512):  # pieces that stay in the cache
-        part = slice(start, start + 512)
-        for i, j in entries:
-            band[part, j, diagonal + i - j] = blocks[part, i, j]
-    band[:-1, size - n :, diagonal + n] = -1.0  # column lambda_t, row xi_{t+1}
-    band[1:, :n, diagonal - n] = -1.0  # column xi_{t+1}, row lambda_t
-    band = band.reshape(T * size, -1).T
+def _solve_band(band, right):
+    """Solve by LU with pivoting; the arrays are overwritten."""
+    T, size, height = band.shape
+    width = height // 3
+    band = band.reshape(T * size, height).T
     *_, solution, _ = dgbsv(width, width, band, right.ravel(), overwrite_ab=True, overwrite_b=True)
     return solution.reshape(T, size)

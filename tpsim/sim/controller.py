@@ -1,7 +1,7 @@
 """Torque controllers: minimal intervention from learned precision, and fixed gains to compare.
 
-The torque law is ``tau = M(q) [ K (q_hat - q) - D dq ] + bias(q, dq)``; the controllers differ in
-where q_hat, K and D come from.
+The torque law is ``tau = K (q_hat - q) - D dq + bias(q, dq)``; the controllers differ in where
+q_hat, K and D come from.
 """
 
 from collections.abc import Sequence
@@ -45,8 +45,8 @@ class Behaviour:
 class Impedance:
     """What a controller commands at one instant, in joint space.
 
-    ``stiffness`` and ``damping`` (n, n) act on joint acceleration, [1/s^2] and [1/s]; times M(q)
-    they are Nm/rad and Nms/rad. ``reference`` (n,) is q_hat [rad].
+    ``stiffness`` (n, n) [Nm/rad] and ``damping`` (n, n) [Nms/rad] are what a push meets;
+    ``reference`` (n,) is q_hat [rad].
     """
 
     stiffness: np.ndarray
@@ -66,23 +66,22 @@ class Controller:
         self.robot = robot
         self.feedforward = np.zeros(robot.n)
 
-    def acceleration(self) -> np.ndarray:
-        """Commanded joint acceleration (n,) [rad/s^2] at the robot's last update."""
-        raise TypeError(f"{type(self).__name__} commands no acceleration")
+    def feedback(self) -> np.ndarray:
+        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
+        raise NotImplementedError
 
     def impedance(self) -> Impedance:
         """Stiffness, damping and reference of the last command."""
-        raise TypeError(f"{type(self).__name__} has no impedance")
+        raise NotImplementedError
 
     def torque(self) -> np.ndarray:
-        """Joint torque (n,) [Nm] wanted, before the motors' limits: inverse dynamics.
+        """Joint torque (n,) [Nm] wanted, before the motors' limits.
 
-        ``feedforward`` keeps the part that is not feedback.
+        ``feedforward`` keeps the part that is not feedback: bias and the joints' own damping.
         """
         robot = self.robot
-        acceleration = limited_acceleration(robot, self.acceleration())
         self.feedforward = robot.bias + robot.passive_damping * robot.dq
-        return robot.mass @ acceleration + self.feedforward
+        return self.feedback() + guard(robot) + self.feedforward
 
 
 class MinimalIntervention(Controller):
@@ -90,16 +89,20 @@ class MinimalIntervention(Controller):
 
     The Gaussians of every frame are projected into joint space by Table 3 and multiplied in
     information form, Eqs (5)-(6): ``Lambda = sum_j J_j^T W_j J_j``. Behaviours that were taught
-    apart are combined by the same product, as in the last sequence of Fig. 9. The optimum for
-    unit-mass joints with effort r is closed form, K = (Lambda / r)^(1/2), D = (2 K)^(1/2), so
-    one symmetric eigendecomposition a step gives the command.
+    apart are combined by the same product, as in the last sequence of Fig. 9.
+
+    The effort that is weighed against it is torque, ``r |tau|^2`` with ``tau = M ddq``. In
+    ``z = M q`` this is a unit double integrator of precision ``Lambda_z = M^-1 Lambda M^-1``,
+    whose optimum is closed form, ``K_z = (Lambda_z / r)^(1/2)``, ``D_z = (2 K_z)^(1/2)``: one
+    symmetric eigendecomposition a step gives ``tau = K_z M (q_hat - q) - D_z M dq + bias``.
+    Weighing torque, and not acceleration, keeps heavy directions as soft as light ones.
 
     Parameters
     ----------
     robot : Robot
     behaviours : sequence of Behaviour
     effort : float
-        Cost r of joint acceleration [s^4/rad^2], against the log-likelihood of the movement.
+        Cost r of torque [1/(Nm)^2], against the log-likelihood of the movement.
     prior : Gaussian, optional
         Joint posture (n,) for directions that no frame determines.
     """
@@ -109,7 +112,7 @@ class MinimalIntervention(Controller):
         robot: Robot,
         behaviours: Sequence[Behaviour],
         *,
-        effort: float = 0.01,
+        effort: float = 0.2,
         prior: Gaussian | None = None,
     ):
         if not behaviours:
@@ -159,31 +162,35 @@ class MinimalIntervention(Controller):
             W, Wmu = (sum(terms) for terms in zip(*self._information(), strict=True))
         else:
             W, Wmu = self._fixed
-        JW = self._J.T @ W
-        self._gradient = self._J.T @ Wmu - JW @ self._y
-        precision = JW @ self._J
+        inverse_mass = self.robot.inverse_mass()
+        Jz = self._J @ inverse_mass
+        JW = Jz.T @ W
+        self._gradient = Jz.T @ Wmu - JW @ self._y
+        precision = JW @ Jz
         # LAPACK directly: numpy's wrapper costs a third of the call at this size.
         self._eigenvalues, self._eigenvectors, failed = dsyevd(precision.T, overwrite_a=1)
         if failed:
             raise SimulationError("the precision of the frames has no eigendecomposition")
 
-    def acceleration(self) -> np.ndarray:
-        """Commanded joint acceleration (n,) at the robot's last update."""
+    def feedback(self) -> np.ndarray:
+        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
         self._solve()
         V, root = self._eigenvectors, np.sqrt(self._eigenvalues)
         r = np.sqrt(self.effort)
-        # K Lambda^-1 g and D dq in the eigenbasis of Lambda.
+        # K_z M (q_hat - q) = K_z Lambda_z^-1 M^-1 g in the eigenbasis of Lambda_z.
         pull = (V.T @ self._gradient) / (r * root)
-        brake = np.sqrt(2 * root / r) * (V.T @ self.robot.dq)
+        brake = np.sqrt(2 * root / r) * (V.T @ (self.robot.mass @ self.robot.dq))
         return V @ (pull - brake)
 
     def impedance(self) -> Impedance:
-        """Stiffness, damping and reference of the last :meth:`acceleration`."""
-        V, values = self._eigenvectors, self._eigenvalues
+        """Stiffness, damping and reference of the last :meth:`feedback`."""
+        V, values, mass = self._eigenvectors, self._eigenvalues, self.robot.mass
         stiffness = np.sqrt(values / self.effort)
         step = V @ ((V.T @ self._gradient) / values)
         return Impedance(
-            (V * stiffness) @ V.T, (V * np.sqrt(2 * stiffness)) @ V.T, self.robot.q + step
+            (V * stiffness) @ (V.T @ mass),
+            (V * np.sqrt(2 * stiffness)) @ (V.T @ mass),
+            self.robot.q + np.linalg.solve(mass, step),
         )
 
 
@@ -223,7 +230,7 @@ class FixedImpedance(Controller):
     posture : (n,)
         Reference q_hat [rad].
     stiffness : float
-        Gain K [1/s^2] of every joint; damping is critical, D = 2 K^(1/2).
+        Of every joint, as acceleration [1/s^2]: K = stiffness M(q), critically damped.
     """
 
     def __init__(self, robot: Robot, posture, stiffness: float):
@@ -232,15 +239,15 @@ class FixedImpedance(Controller):
         super().__init__(robot)
         self.posture, self.stiffness = np.array(posture), float(stiffness)
 
-    def acceleration(self) -> np.ndarray:
-        """Commanded joint acceleration (n,) at the robot's last update."""
-        robot = self.robot
-        return self.stiffness * (self.posture - robot.q) - 2 * self.stiffness**0.5 * robot.dq
+    def feedback(self) -> np.ndarray:
+        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
+        robot, rate = self.robot, self.stiffness**0.5
+        return robot.mass @ (rate**2 * (self.posture - robot.q) - 2 * rate * robot.dq)
 
     def impedance(self) -> Impedance:
         """Stiffness, damping and reference."""
-        eye = np.eye(self.robot.n)
-        return Impedance(self.stiffness * eye, 2 * self.stiffness**0.5 * eye, self.posture)
+        mass = self.robot.mass
+        return Impedance(self.stiffness * mass, 2 * self.stiffness**0.5 * mass, self.posture)
 
 
 class GravityCompensation(Controller):
@@ -269,36 +276,40 @@ class GravityCompensation(Controller):
         self.feedforward = robot.gravity_torque(robot.q)
         torque = self.feedforward - self._damping * robot.dq
         if self._held.any():
-            hold = robot.mass @ np.where(self._held, self._hold.acceleration(), 0.0) + robot.bias
+            hold = self._hold.feedback() + robot.bias
             torque = np.where(self._held, hold, torque)
         return torque
 
     def impedance(self) -> Impedance:
-        """No stiffness; the damping is a joint torque, here as an acceleration."""
-        robot = self.robot
-        damping = np.linalg.inv(robot.mass) * self._damping
-        return Impedance(np.zeros((robot.n, robot.n)), damping, robot.q)
+        """No stiffness, light damping."""
+        n = self.robot.n
+        return Impedance(np.zeros((n, n)), self._damping * np.eye(n), self.robot.q)
 
 
-def limited_acceleration(robot, acceleration, *, rate=40.0, margin_rate=8.0) -> np.ndarray:
-    """Clip joint accelerations so that velocity and position limits are approached, not passed.
+GUARD = (0.1, 400.0)
+"""Joint limits are guarded within this angle [rad], by this stiffness [1/s^2] times inertia."""
 
-    The velocity allowed towards a limit shrinks with the distance to it (``margin_rate`` [1/s]),
-    and is approached at ``rate`` [1/s].
+
+def guard(robot: Robot) -> np.ndarray:
+    """Torque (n,) [Nm] that keeps joints off their limits of position and velocity.
+
+    A one-sided spring near each limit and a one-sided brake above each velocity limit, scaled by
+    the joint's inertia; zero elsewhere.
     """
-    fastest = np.minimum(robot.velocity_limit, margin_rate * (robot.upper - robot.q))
-    slowest = np.maximum(-robot.velocity_limit, margin_rate * (robot.lower - robot.q))
-    high, low = rate * (fastest - robot.dq), rate * (slowest - robot.dq)
-    return np.minimum(np.maximum(acceleration, low), high)
+    width, stiffness = GUARD
+    low = np.maximum(robot.lower + width - robot.q, 0.0)
+    high = np.maximum(robot.q + width - robot.upper, 0.0)
+    speed = robot.dq - np.minimum(np.maximum(robot.dq, -robot.velocity_limit), robot.velocity_limit)
+    return np.diagonal(robot.mass) * (stiffness * (low - high) - 50.0 * speed)
 
 
 def hand_stiffness(robot: Robot, stiffness, site: int) -> np.ndarray:
-    """Physical stiffness (6, 6) at a site, from joint stiffness (n, n) [1/s^2].
+    """Physical stiffness (6, 6) at a site, from joint stiffness (n, n) [Nm/rad].
 
-    ``(J (M K)^-1 J^T)^-1``: what a slow push at the site meets, N/m and Nm/rad, when the rest of
+    ``(J K^-1 J^T)^-1``: what a slow push at the site meets, N/m and Nm/rad, when the rest of
     the arm is free to give way.
     """
     J = robot.jacobian(site)
     if not stiffness.any():
         return np.zeros((6, 6))
-    return np.linalg.inv(J @ np.linalg.solve(robot.mass @ stiffness, J.T))
+    return np.linalg.inv(J @ np.linalg.solve(stiffness, J.T))

@@ -15,6 +15,9 @@ import pinocchio as pin
 
 from tpsim.sim.robot import Robot
 
+DAMPING = 0.01
+"""Singular value of a hand's Jacobian below which its nullspace grows [m/rad]."""
+
 Evaluation = tuple[np.ndarray, np.ndarray]
 
 
@@ -145,3 +148,40 @@ class Posture(Coordinate):
         index = np.array([robot.joints.index(joint) for joint in self.joints])
         J = np.eye(robot.n)[index]
         return lambda: (robot.q[index], J)
+
+
+@dataclass(frozen=True)
+class NullspacePosture(Coordinate):
+    """Posture of one arm seen through the nullspace of its hand, Eq. (42): d = joints.
+
+    ``y = N q`` with ``N = I - J^+ J`` of the hand's pose: what the arm does with its redundancy,
+    the swivel of its elbow. It adds ``N W N`` in joint space and never competes with the hand.
+
+    Parameters
+    ----------
+    joints : tuple of str
+        Joints of the arm.
+    site : str
+        Hand whose pose has priority.
+    """
+
+    joints: tuple[str, ...] = ()
+    site: str = ""
+
+    labels = Posture.labels
+
+    def bind(self, robot):
+        """Return a function that gives y (d,) and J (d, n) of the robot's last update."""
+        index = np.array([robot.joints.index(joint) for joint in self.joints])
+        site = robot.site(self.site)
+        J = np.zeros((len(index), robot.n))
+
+        def evaluate():
+            J_hand = robot.jacobian(site)[:, index]
+            # N through the normal equations: an SVD at every step would cost ten times as much.
+            inverse = np.linalg.solve(J_hand @ J_hand.T + DAMPING**2 * np.eye(6), J_hand)
+            N = np.eye(len(index)) - J_hand.T @ inverse
+            J[:, index] = N
+            return N @ robot.q[index], J
+
+        return evaluate

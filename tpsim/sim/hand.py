@@ -86,8 +86,8 @@ class Guide:
     ----------
     name : str
         What the recording calls it: ``<name>_wrench``, ``<name>_point``.
-    body, site : str
-        Body that is held, and the site of it that follows the path.
+    site : str
+        Where the robot is held, and what follows the path.
     hand : Hand
     path : Path
         Sampled at the simulation's time step, from ``start`` on.
@@ -98,7 +98,6 @@ class Guide:
     """
 
     name: str
-    body: str
     site: str
     hand: Hand
     path: Path
@@ -116,7 +115,7 @@ class BoundGuide:
     def __init__(self, guide: Guide, simulation):
         self.name = guide.name
         self._guide, self._simulation = guide, simulation
-        self._body = simulation.body(guide.body)
+        self._body = simulation.attachment(guide.site)[0]
         self._site = simulation.robot.site(guide.site)
         self._first = round(guide.start / simulation.timestep)
         other = guide.relative_to

@@ -14,13 +14,13 @@ class Push:
     Parameters
     ----------
     body : str
-        Body that is pushed.
+        Body that is pushed, or a site: the push then acts there.
     force : (3,) tuple
         Force [N] in the world.
     start, duration : float
         When it begins and how long it lasts [s].
     point : (3,) tuple
-        Where it acts, in the body's frame [m].
+        Where it acts, in the frame of the body or site [m].
     torque : (3,) tuple
         Torque [Nm] in the world.
     ramp : float
@@ -65,7 +65,8 @@ class BoundPush:
 
     def __init__(self, push: Push, simulation):
         self._push, self._simulation = push, simulation
-        self._body = simulation.body(push.body)
+        self._body, R, p = simulation.attachment(push.body)
+        self._point = p + R @ push.point
         self.wrench, self.point = np.zeros(6), np.zeros(3)
 
     def act(self, step: int) -> None:
@@ -73,6 +74,6 @@ class BoundPush:
         simulation, body = self._simulation, self._body
         self.wrench = self._push.wrench(step * simulation.timestep)
         R = simulation.data.xmat[body].reshape(3, 3)
-        self.point = simulation.data.xpos[body] + R @ self._push.point
+        self.point = simulation.data.xpos[body] + R @ self._point
         if self.wrench.any():
             simulation.apply_wrench(body, self.wrench, self.point)

@@ -101,8 +101,8 @@ class _Log:
             "torque": torque,
             "torque_feedforward": controller.feedforward,
             "reference": impedance.reference,
-            "stiffness": np.diagonal(robot.mass @ impedance.stiffness),
-            "damping": np.diagonal(robot.mass @ impedance.damping),
+            "stiffness": np.diagonal(impedance.stiffness),
+            "damping": np.diagonal(impedance.damping),
             "saturated_steps": saturated,
             "contact_steps": contacts,
             "push_wrench": np.zeros(6),
@@ -115,7 +115,8 @@ class _Log:
             R, p = robot.placement(site)
             row[f"{name}_position"], row[f"{name}_quaternion"] = p.copy(), R.copy()
             if name.endswith("hand"):
-                row[f"{name}_stiffness"] = hand_stiffness(robot, impedance.stiffness, site)
+                stiffness = hand_stiffness(robot, impedance.stiffness, site)
+                row[f"{name}_stiffness"] = stiffness[:3, :3]
         self._rows.append(row)
 
     def arrays(self):

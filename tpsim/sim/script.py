@@ -132,3 +132,21 @@ def _wander(rng, steps, timestep, deviation, time):
     # Variance of that cascade, for white noise of unit variance.
     gain = (1 - pole) ** 4 * (1 + pole**2) / (1 - pole**2) ** 3
     return deviation / np.sqrt(gain) * noise
+
+
+def straight(origin, travel, seconds, rest, timestep) -> Path:
+    """Straight minimum-jerk path from a point (3,) by a displacement (3,), then at rest.
+
+    The orientation is left to itself (identity): for hands that lead without turning.
+    """
+    origin, travel = np.asarray(origin, float), np.asarray(travel, float)
+    steps, still = round(seconds / timestep), round(rest / timestep)
+    s = (np.arange(steps) + 1) / steps
+    way = np.concatenate([s**3 * (10 - 15 * s + 6 * s**2), np.ones(still)])
+    speed = np.concatenate([30 * s**2 * (1 - s) ** 2 / seconds, np.zeros(still)])
+    return Path(
+        origin + way[:, None] * travel,
+        np.broadcast_to(np.eye(3), (len(way), 3, 3)),
+        speed[:, None] * travel,
+        np.zeros((len(way), 3)),
+    )

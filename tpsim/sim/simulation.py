@@ -72,21 +72,22 @@ class Simulation:
         """Time [s]."""
         return self.data.time
 
-    def body(self, name: str) -> int:
-        """Index of the body called ``name``."""
+    def attachment(self, name: str) -> tuple[int, np.ndarray, np.ndarray]:
+        """Body index of a body or site called ``name``, and its pose (R, p) in that body."""
         index = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name)
-        if index < 0:
-            known = [self.model.body(b).name for b in range(1, self.model.nbody)]
-            raise SimulationError(f"no body '{name}' in the scene; it has {known}")
-        return index
-
-    def site(self, name: str) -> int:
-        """Index of the site called ``name``."""
-        index = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_SITE, name)
-        if index < 0:
-            known = [self.model.site(s).name for s in range(self.model.nsite)]
-            raise SimulationError(f"no site '{name}' in the scene; it has {known}")
-        return index
+        if index >= 0:
+            return index, np.eye(3), np.zeros(3)
+        site = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_SITE, name)
+        if site < 0:
+            bodies = [self.model.body(b).name for b in range(1, self.model.nbody)]
+            sites = [self.model.site(s).name for s in range(self.model.nsite)]
+            raise SimulationError(
+                f"no body or site '{name}' in the scene; it has bodies {bodies} and sites {sites}"
+            )
+        R = np.empty(9)
+        mujoco.mju_quat2Mat(R, self.model.site_quat[site])
+        position = self.model.site_pos[site].copy()
+        return int(self.model.site_bodyid[site]), R.reshape(3, 3), position
 
     def clear_wrenches(self) -> None:
         """Take away all wrenches from outside."""

@@ -1,12 +1,11 @@
 """What the cup and sugar behaviours share: the two hands, their frames, where they may be."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tpsim import rotation
-from tpsim.sim import scene
-from tpsim.sim.coordinate import HandPose, Posture, RelativePose
+from tpsim.sim.coordinate import HandPose, NullspacePosture, RelativePose
 from tpsim.sim.hand import Guide, Hand
 from tpsim.sim.reach import reach
 from tpsim.sim.script import Variation, script
@@ -41,7 +40,7 @@ class Workspace:
         vary as a person's starting posture does.
     """
 
-    position: tuple[float, float, float] = (0.12, 0.15, 0.10)
+    position: tuple[float, float, float] = (0.14, 0.17, 0.13)
     yaw: float = 0.6
     tilt: float = 0.0
     elbow: float = 0.35
@@ -101,10 +100,16 @@ class Hands:
             HandPose("cup in base", "cup", cup),
             HandPose("sugar in base", "sugar", sugar),
             RelativePose("sugar from cup", "sugar", "cup", above),
-            Posture("left posture", self.left),
-            Posture("right posture", self.right),
+            NullspacePosture("left posture", self.left, "left_gripper"),
+            NullspacePosture("right posture", self.right, "right_gripper"),
         )
         return {frame.name: frame for frame in frames}
+
+    def level_cup(self, rng, workspace) -> Pose:
+        """A pose of the cup somewhere in a workspace, level."""
+        R, p = self.cup
+        turn = replace(workspace, tilt=0.0).turn(rng)
+        return turn @ R, p + workspace.offset(rng)
 
     def reach(self, rng, elbow, **objects: Pose) -> np.ndarray:
         """Posture (n,) that brings ``cup`` and ``sugar`` to poses, elbows drawn at random."""
@@ -128,8 +133,7 @@ class Hands:
         positions = np.asarray(positions) - rotations @ p_grasp
         timestep = self.simulation.timestep
         path = script(rotations, positions, seconds, timestep, rng, Variation())
-        site = f"{side}_gripper"
-        return Guide(f"{side}_guide", f"{side}_hand", site, Hand(), path, relative_to)
+        return Guide(f"{side}_guide", f"{side}_gripper", Hand(), path, relative_to)
 
 
 def compose(first: Pose, second: Pose) -> Pose:
@@ -141,8 +145,3 @@ def compose(first: Pose, second: Pose) -> Pose:
 def _relative(frame: Pose, pose: Pose) -> Pose:
     (R, p), (R_world, p_world) = frame, pose
     return R.T @ R_world, R.T @ (p_world - p)
-
-
-def simulation() -> Simulation:
-    """Baxter with a cup in its left hand and a sugar cube in its right one."""
-    return Simulation(scene.cup_and_sugar())

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tpsim.sim.teach import Lesson
-from tpsim.tasks.bimanual import Hands, Workspace, compose
+from tpsim.tasks.bimanual import Hands, Workspace
 
 FRAMES = ("cup in base", "left posture")
 """Candidate frames: the hand in the robot's base (Eq. 40), and the arm's posture (Eq. 39)."""
@@ -52,9 +52,6 @@ def lesson(hands: Hands, rng, workspace: Workspace = TAUGHT, *, level=None) -> L
 
 def situation(hands: Hands, rng, workspace: Workspace = TAUGHT) -> np.ndarray:
     """Start posture (n,) of an unseen situation: cup level somewhere, right hand aside."""
-    R_cup, p_cup = hands.cup
-    cup = compose((workspace.turn(rng), p_cup + workspace.offset(rng)), (R_cup, np.zeros(3)))
+    cup = hands.level_cup(rng, workspace)
     R_sugar, p_sugar = hands.sugar
     return hands.reach(rng, workspace.elbow, cup=cup, sugar=(R_sugar, p_sugar + ASIDE))
-
-

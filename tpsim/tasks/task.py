@@ -1,13 +1,125 @@
-"""What a task is: a scene, how it is taught, and what the teacher's frames observe."""
+"""What a task is: a scene, how it is taught, what is learned, how it is performed."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from tpsim.control import projection
 from tpsim.demonstration import Demonstration
+from tpsim.errors import SimulationError
+from tpsim.learning.tp_gmm import TPGMM
 from tpsim.sim.coordinate import Coordinate
+from tpsim.sim.hand import Guide
+from tpsim.sim.push import Push
 from tpsim.sim.robot import Robot
+from tpsim.sim.simulation import Simulation
+from tpsim.sim.teach import Lesson
 from tpsim.sim.trial import Trial
 
+ATTEMPTS = 100
+"""Situations drawn before a task gives up finding one that the robot can be put in."""
 
-def demonstration(robot: Robot, trial: Trial, coordinates: tuple[Coordinate, ...], name=""):
+
+@dataclass(frozen=True)
+class Situation:
+    """One situation in which a task is performed: everything that was drawn for it.
+
+    Parameters
+    ----------
+    seed, index : int
+        Situation ``index`` draws from ``SeedSequence(seed, spawn_key=(index,))``.
+    start : (n,) tuple
+        Start posture [rad].
+    details : dict
+        What else the task drew, as plain JSON values.
+    """
+
+    seed: int
+    index: int
+    start: tuple[float, ...]
+    details: dict = field(default_factory=dict)
+
+
+class Task:
+    """A task on one scene; each subclass is one file of :mod:`tpsim.tasks`.
+
+    Attributes
+    ----------
+    name : str
+    behaviours : tuple of str
+        What is taught, each apart from the others; one model is learned of each.
+    sites : dict
+        Sites that recordings keep, by name.
+    duration : float
+        Of a performance [s].
+    """
+
+    name: str
+    behaviours: tuple[str, ...]
+    sites: Mapping[str, str]
+    duration: float
+
+    def simulation(self, xml: str | None = None) -> Simulation:
+        """The task's scene, or the recorded scene ``xml`` of a run folder."""
+        raise NotImplementedError
+
+    def lesson(self, simulation: Simulation, behaviour: str, rng) -> Lesson:
+        """Draw one demonstration of a behaviour."""
+        raise NotImplementedError
+
+    def coordinates(self, simulation: Simulation, behaviour: str) -> tuple[Coordinate, ...]:
+        """Candidate frames of a behaviour."""
+        raise NotImplementedError
+
+    def draw(self, simulation: Simulation, rng) -> tuple[np.ndarray, dict]:
+        """Draw a start posture (n,) and the details of a situation; may be unreachable."""
+        raise NotImplementedError
+
+    def perform(
+        self,
+        simulation: Simulation,
+        models: Mapping[str, TPGMM],
+        situation: Situation,
+        *,
+        controller: str = "learned",
+        people: Sequence[Push | Guide] = (),
+        duration: float | None = None,
+    ) -> Trial:
+        """Perform the task once."""
+        raise NotImplementedError
+
+    def situation(self, simulation: Simulation, seed: int, index: int) -> Situation:
+        """Situation ``index`` of a seed: drawn until the robot can be put in it freely.
+
+        Raises
+        ------
+        SimulationError
+            If no reachable, contact-free start posture is found.
+        """
+        rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(1, index)))
+        for _ in range(ATTEMPTS):
+            try:
+                start, details = self.draw(simulation, rng)
+                simulation.reset(start)
+            except SimulationError:
+                continue
+            if simulation.data.ncon == 0 and self.is_comfortable(simulation, start):
+                return Situation(seed, index, tuple(start.tolist()), details)
+        raise SimulationError(
+            f"task '{self.name}' found no start posture that the robot can reach without contact "
+            f"in {ATTEMPTS} draws; give its workspace less range"
+        )
+
+    def is_comfortable(self, simulation: Simulation, start) -> bool:
+        """Whether a start posture keeps 0.15 rad from joint limits and has torque to spare."""
+        robot = simulation.robot
+        margin = np.minimum(start - robot.lower, robot.upper - start).min()
+        load = np.abs(robot.gravity_torque(start)) / robot.torque_limit
+        return margin > 0.15 and load.max() < 0.8
+
+
+def demonstration(robot: Robot, trial: Trial, coordinates: Sequence[Coordinate], name=""):
     """One taught trial as it is seen from every candidate frame.
 
     Parameters
@@ -15,14 +127,15 @@ def demonstration(robot: Robot, trial: Trial, coordinates: tuple[Coordinate, ...
     robot : Robot
     trial : Trial
         From kinesthetic teaching; ``q (T, n)`` is what counts.
-    coordinates : tuple of Coordinate
+    coordinates : sequence of Coordinate
         The P candidate frames.
     name : str
 
     Returns
     -------
     Demonstration
-        ``data`` is q (T, n) and ``observations`` holds y_j(q), (T, d_j) each.
+        ``data`` is q (T, n), ``observations`` holds y_j(q), (T, d_j) each, and ``frames`` the
+        moving projections of Table 3 that map them back to joint space.
     """
     q = trial["q"]
     observations, frames = [], []

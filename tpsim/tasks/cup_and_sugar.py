@@ -1,0 +1,108 @@
+"""The tutorial's bimanual example (Section 6, Fig. 9): cup, sugar, and both at once.
+
+Two behaviours are taught apart: the left hand holds a cup level, the right hand holds a sugar
+cube above it. ``cup-and-sugar`` performs the product of the two learned controllers.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from tpsim.gaussian import Gaussian
+from tpsim.learning.tp_gmm import TPGMM
+from tpsim.sim import scene
+from tpsim.sim.controller import Behaviour, Controller, FixedImpedance, MinimalIntervention
+from tpsim.sim.rollout import rollout
+from tpsim.sim.simulation import Simulation
+from tpsim.sim.trial import Trial
+from tpsim.tasks import cup, sugar
+from tpsim.tasks.bimanual import SITES, Hands
+from tpsim.tasks.task import Situation, Task
+
+EFFORT = 0.3
+"""Cost of torque [1/(Nm)^2]: the one number that sets how soft the robot is."""
+
+FIXED = {"stiff": 400.0, "soft": 40.0}
+"""Constant joint gains [1/s^2] of the controllers to compare with."""
+
+HOLD = 0.1
+"""Standard deviation [rad] with which joints that no behaviour was taught hold their start."""
+
+_BEHAVIOURS = {"cup": cup, "sugar": sugar}
+
+
+class CupAndSugar(Task):
+    """One or both of the behaviours on Baxter.
+
+    Parameters
+    ----------
+    name : str
+    behaviours : tuple of str
+        Out of ``"cup"``, ``"sugar"``.
+    """
+
+    sites = SITES
+    duration = 6.0
+
+    def __init__(self, name: str, behaviours: tuple[str, ...]):
+        self.name, self.behaviours = name, behaviours
+
+    def simulation(self, xml: str | None = None) -> Simulation:
+        """Baxter with a cup in its left hand and a sugar cube in its right one."""
+        return Simulation(scene.cup_and_sugar() if xml is None else xml)
+
+    def lesson(self, simulation, behaviour, rng):
+        """Draw one demonstration of a behaviour."""
+        return _BEHAVIOURS[behaviour].lesson(Hands(simulation), rng)
+
+    def coordinates(self, simulation, behaviour):
+        """Candidate frames of a behaviour."""
+        frames = Hands(simulation).coordinates()
+        return tuple(frames[name] for name in _BEHAVIOURS[behaviour].FRAMES)
+
+    def draw(self, simulation, rng):
+        """Draw a start posture: level cup, and sugar above it where that was taught."""
+        start = _BEHAVIOURS[self.behaviours[-1]].situation(Hands(simulation), rng)
+        return start, {}
+
+    def controller(self, simulation, models: Mapping[str, TPGMM], start, kind) -> Controller:
+        """The learned controller, or a fixed-gain one (``"stiff"``, ``"soft"``) about ``start``."""
+        robot = simulation.robot
+        if kind in FIXED:
+            return FixedImpedance(robot, start, FIXED[kind])
+        behaviours = [
+            Behaviour(name, self.coordinates(simulation, name), models[name])
+            for name in self.behaviours
+        ]
+        prior = None
+        if self.behaviours == ("cup",):
+            # The right arm was not taught: it holds still. 10 rad say nothing about the left one.
+            deviation = np.where([j.startswith("right") for j in robot.joints], HOLD, 10.0)
+            prior = Gaussian(np.array(start), np.diag(deviation**2))
+        return MinimalIntervention(robot, behaviours, effort=EFFORT, prior=prior)
+
+    def perform(
+        self,
+        simulation: Simulation,
+        models: Mapping[str, TPGMM],
+        situation: Situation,
+        *,
+        controller: str = "learned",
+        people: Sequence = (),
+        duration: float | None = None,
+    ) -> Trial:
+        """Hold the taught behaviours from a start posture on, whoever pushes."""
+        start = np.array(situation.start)
+        return rollout(
+            simulation,
+            self.controller(simulation, models, start, controller),
+            start,
+            self.duration if duration is None else duration,
+            sites=self.sites,
+            people=people,
+        )
+
+
+def task(name: str) -> CupAndSugar:
+    """The task called ``cup``, ``sugar`` or ``cup-and-sugar``."""
+    return CupAndSugar(name, tuple(name.split("-and-")))

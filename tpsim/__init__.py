@@ -43,6 +43,14 @@ from tpsim.learning.markov import MarkovChain as MarkovChain
 from tpsim.learning.pgmm import PGMM as PGMM
 from tpsim.learning.pgmm import fit_pgmm as fit_pgmm
 from tpsim.learning.pgmm import task_vector as task_vector
+from tpsim.learning.relevance import frame_relevance as frame_relevance
+from tpsim.learning.relevance import frame_report as frame_report
+from tpsim.learning.relevance import frame_shares as frame_shares
+from tpsim.learning.selection import aic as aic
+from tpsim.learning.selection import bic as bic
+from tpsim.learning.selection import dp_means as dp_means
+from tpsim.learning.selection import dp_means_start as dp_means_start
+from tpsim.learning.selection import select_model as select_model
 from tpsim.learning.semi_markov import SemiMarkovChain as SemiMarkovChain
 from tpsim.learning.subspace import HDDC as HDDC
 from tpsim.learning.subspace import MFA as MFA

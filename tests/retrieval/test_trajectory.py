@@ -16,6 +16,8 @@ from tpsim import (
     trajectory_of_states,
 )
 from tpsim.errors import ArgumentError
+from tpsim.learning.hsmm import HSMM
+from tpsim.learning.semi_markov import SemiMarkovChain
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 FIGURES = np.load(REFERENCE / "traj_gmm.npz")
@@ -85,6 +87,24 @@ def test_reference_hidden_states():
     np.testing.assert_allclose(path.mean, figures["path"], rtol=1e-8)
     expected = figures["path_covariance"]
     np.testing.assert_allclose(path.covariance, expected, atol=1e-8 * expected.max())
+
+
+def test_optional_paths_of_a_semi_markov_model():
+    """Fig. 8: by way of (1, 1) or (1, -1) with equal chance, never straight through the middle."""
+    corners = np.array([[0, 0], [1, 1], [1, -1], [2, 0]])
+    means, covariance = np.c_[corners, np.zeros((4, 4))], np.diag([0.01, 0.01, 0.1, 0.1, 1, 1])
+    transitions = np.zeros((4, 4))
+    transitions[0, 1:3], transitions[1:3, 3] = 0.5, 1.0
+    stays = Gaussian(np.full((4, 1), 20.0), np.full((4, 1, 1), 9.0))
+    emissions = GMM(np.full(4, 0.25), Gaussian(means, np.tile(covariance, (4, 1, 1))))
+    model = HSMM(SemiMarkovChain(np.eye(4)[0], transitions, stays), emissions)
+    rng = np.random.default_rng(0)
+    paths = [trajectory_of_states(model, model.sample_states(60, rng), 0.1) for _ in range(100)]
+    heights = np.array([max(path.mean[:, 1], key=abs) for path in paths])
+    assert 30 < (heights > 0).sum() < 70
+    assert np.abs(heights).min() > 0.7
+    jumps = [np.abs(np.diff(path.mean, axis=0)).max() for path in paths]
+    assert max(jumps) < 0.2
 
 
 @pytest.mark.parametrize("differences", ["forward", "backward"])

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
     from tpsim.learning.gmm import GMM
+    from tpsim.learning.hmm import HiddenStates
 
 Differences = Literal["forward", "backward"]
 Border = Literal["free", "zero"]
@@ -126,13 +127,15 @@ def trajectory(
     return Gaussian.trusted(mean, scale * _diagonal_blocks_of_inverse(factor, dim))
 
 
-def trajectory_of_states(gmm: GMM, states: ArrayLike, dt: float, **options) -> Gaussian:
+def trajectory_of_states(
+    model: GMM | HiddenStates, states: ArrayLike, dt: float, **options
+) -> Gaussian:
     """Trajectory of a sequence of states s_1..s_T of a mixture, Eqs 26-31.
 
     Parameters
     ----------
-    gmm
-        Mixture over position and derivatives, gaussians (K, C*D), or (T, K, C*D) when its
+    model
+        GMM, HMM or HSMM over position and derivatives, gaussians (K, C*D), or (T, K, C*D) when its
         frames move.
     states
         (T,) integers in 0..K-1, from responsibilities, an HMM path or an HSMM sample.
@@ -142,7 +145,7 @@ def trajectory_of_states(gmm: GMM, states: ArrayLike, dt: float, **options) -> G
         Keywords of :func:`trajectory`.
     """
     states = np.asarray(states)
-    mean, covariance = gmm.gaussians.mean, gmm.gaussians.covariance
+    mean, covariance = model.gaussians.mean, model.gaussians.covariance
     components = mean.shape[-2]
     if states.ndim != 1 or not np.issubdtype(states.dtype, np.integer):
         raise ArgumentError(f"states must be (T,) integers, got {states.dtype} {states.shape}")

@@ -33,6 +33,8 @@ class Robot:
         Addresses of the joints in MuJoCo's qpos and qvel.
     lower, upper, velocity_limit, torque_limit : (n,)
         Limits in rad (or m), rad/s, Nm; infinite where the model sets none.
+    objects : dict of str to (position (3,), quaternion (4,))
+        What the robot sees of the world: where objects are at this moment [m].
     mass, bias, gravity : (n, n), (n,), (n,)
         M(q) with armature, Coriolis and gravity torque, gravity torque alone, of the last update.
     """
@@ -55,6 +57,7 @@ class Robot:
         self.bias = np.zeros(self.n)
         self.gravity = np.zeros(self.n)
         self._below = np.tril_indices(self.n, -1)
+        self.objects = {}
 
     def _motor_limits(self, ids) -> np.ndarray:
         """Torque limit of each joint, and ``actuator``: the motor that drives it."""

@@ -8,6 +8,7 @@ from tpsim import rotation
 from tpsim.errors import ArgumentError
 from tpsim.sim.controller import Controller, hand_stiffness
 from tpsim.sim.hand import Guide
+from tpsim.sim.objects import ObjectPath
 from tpsim.sim.push import Push
 from tpsim.sim.simulation import Simulation
 from tpsim.sim.trial import Trial
@@ -27,6 +28,7 @@ def rollout(
     *,
     sites: Mapping[str, str],
     people: Sequence[Push | Guide] = (),
+    objects: Sequence[ObjectPath] = (),
     about: dict | None = None,
 ) -> Trial:
     """Let a controller drive the robot from rest for a while, and record it.
@@ -44,6 +46,9 @@ def rollout(
         Sites to record, by the name that the recording gives them.
     people : sequence of Push or Guide
         Who pushes and leads the robot meanwhile.
+    objects : sequence of ObjectPath
+        Where movable objects are; those without a path stay where the scene has them. The
+        recording keeps ``<object>_position (T, 3)`` and ``<object>_quaternion (T, 4)`` of all.
     about : dict, optional
         Kept in the trial.
 
@@ -58,12 +63,15 @@ def rollout(
     robot, h = simulation.robot, simulation.timestep
     steps, stride = round(duration / h), max(1, round(RECORD_PERIOD / h))
     outside = [person.bind(simulation) for person in people]
+    movers = [path.bind(simulation) for path in objects]
     log = _Log(simulation, sites)
     simulation.reset(start)
     saturated = contacts = 0
     outcome = "done"
     limit = robot.torque_limit
     for step in range(steps):
+        for mover in movers:
+            mover.act(step)
         robot.update(simulation.q.copy(), simulation.dq.copy())
         wanted = controller.torque()
         torque = np.minimum(np.maximum(wanted, -limit), limit)
@@ -117,6 +125,9 @@ class _Log:
             if name.endswith("hand"):
                 stiffness = hand_stiffness(robot, impedance.stiffness, site)
                 row[f"{name}_stiffness"] = stiffness[:3, :3]
+        for name, (position, quaternion) in self._simulation.objects.items():
+            row[f"{name}_position"] = position.copy()
+            row[f"{name}_quaternion"] = quaternion.copy()
         self._rows.append(row)
 
     def arrays(self):

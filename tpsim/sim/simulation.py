@@ -20,6 +20,9 @@ class Simulation:
     ----------
     model, data : mujoco.MjModel, mujoco.MjData
     robot : Robot
+    objects : dict of str to (position (3,), quaternion (4,))
+        Where the movable objects (mocap bodies) are [m]: views of MuJoCo's own arrays, for the
+        robot to see and for :mod:`tpsim.sim.objects` to move.
     home : (n,)
         Joint angles of the keyframe ``home`` [rad].
     """
@@ -32,6 +35,7 @@ class Simulation:
         self.xml = xml
         self.data = mujoco.MjData(self.model)
         self.robot = Robot(self.model)
+        self.objects = self.robot.objects = self._movable()
         # Slices keep views of MuJoCo's arrays where the robot's joints come first, as ours do.
         self._qpos, self._dof = _as_slice(self.robot.qpos), _as_slice(self.robot.dof)
         self._actuator = _as_slice(self.robot.actuator)
@@ -40,6 +44,14 @@ class Simulation:
             raise SimulationError("the scene has no keyframe 'home'; add one to say how it starts")
         self.home = self.model.key_qpos[key][self._qpos].copy()
         self.timestep = float(self.model.opt.timestep)
+
+    def _movable(self):
+        pose = self.data.mocap_pos, self.data.mocap_quat
+        return {
+            self.model.body(body).name: tuple(part[index] for part in pose)
+            for body, index in enumerate(self.model.body_mocapid)
+            if index >= 0
+        }
 
     def reset(self, q) -> None:
         """Put the robot at rest at q (n,) and the clock at zero."""

@@ -8,6 +8,7 @@ import numpy as np
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.sim.controller import GravityCompensation
 from tpsim.sim.hand import Guide
+from tpsim.sim.objects import ObjectPath
 from tpsim.sim.rollout import rollout
 from tpsim.sim.simulation import Simulation
 from tpsim.sim.trial import Trial
@@ -33,12 +34,15 @@ class Lesson:
         Time [s].
     held : tuple of str
         Joints that are not taught and hold still.
+    objects : tuple of ObjectPath
+        Where movable objects are meanwhile.
     """
 
     start: np.ndarray
     guides: tuple[Guide, ...]
     duration: float
     held: tuple[str, ...] = ()
+    objects: tuple[ObjectPath, ...] = ()
 
 
 def demonstrate(simulation: Simulation, lesson: Lesson, sites: Mapping[str, str]) -> Trial:
@@ -50,7 +54,13 @@ def demonstrate(simulation: Simulation, lesson: Lesson, sites: Mapping[str, str]
     robot = simulation.robot
     controller = GravityCompensation(robot, held=lesson.held, posture=lesson.start)
     trial = rollout(
-        simulation, controller, lesson.start, lesson.duration, sites=sites, people=lesson.guides
+        simulation,
+        controller,
+        lesson.start,
+        lesson.duration,
+        sites=sites,
+        people=lesson.guides,
+        objects=lesson.objects,
     )
     return Trial(trial.arrays, _verdict(robot, trial), trial.about)
 

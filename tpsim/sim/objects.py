@@ -1,0 +1,105 @@
+"""Objects that move by themselves: mocap bodies along scripted paths."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tpsim import rotation
+from tpsim.errors import ArgumentError
+from tpsim.sim.simulation import Simulation
+
+UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+"""Quaternion of an object that is not turned."""
+
+
+@dataclass(frozen=True)
+class ObjectPath:
+    """Where one object of the scene is over time; plain values, so that a situation can keep it.
+
+    Parameters
+    ----------
+    name : str
+        A mocap body of the scene.
+    positions : (V, 3) nested tuple
+        Where it is at the times [m]. One position is an object at rest.
+    times : (V,) tuple
+        Not decreasing [s]. Between two times the object moves straight and turns evenly; two
+        equal times are a jump. Before the first and after the last it rests.
+    quaternions : (V, 4) nested tuple, optional
+        How it is turned (w, x, y, z); not at all by default.
+
+    Raises
+    ------
+    ArgumentError
+        Shapes that do not fit, numbers that are not finite, or times that decrease.
+    """
+
+    name: str
+    positions: tuple[tuple[float, float, float], ...]
+    times: tuple[float, ...] = (0.0,)
+    quaternions: tuple[tuple[float, float, float, float], ...] | None = None
+
+    def __post_init__(self):
+        positions, times = np.asarray(self.positions, float), np.asarray(self.times, float)
+        turned = (UPRIGHT,) * times.size if self.quaternions is None else self.quaternions
+        turned = np.asarray(turned, float)
+        count = times.size
+        shapes = times.shape, positions.shape, turned.shape
+        if not count or shapes != ((count,), (count, 3), (count, 4)):
+            raise ArgumentError(
+                f"object '{self.name}' has times, positions and quaternions of shapes {shapes}; "
+                "give (V,), (V, 3) and (V, 4)"
+            )
+        finite = all(np.isfinite(values).all() for values in (times, positions, turned))
+        if not finite or (np.diff(times) < 0).any() or not np.linalg.norm(turned, axis=1).all():
+            raise ArgumentError(
+                f"object '{self.name}' has a path that is not finite, a quaternion of zero, or "
+                f"times {times.tolist()} that decrease"
+            )
+        object.__setattr__(self, "times", tuple(times.tolist()))
+        object.__setattr__(self, "positions", tuple(map(tuple, positions.tolist())))
+        object.__setattr__(self, "quaternions", tuple(map(tuple, turned.tolist())))
+
+    @classmethod
+    def at(cls, name: str, position, quaternion=UPRIGHT) -> "ObjectPath":
+        """An object at rest."""
+        return cls(name, (tuple(position),), (0.0,), (tuple(quaternion),))
+
+    def poses(self, times) -> tuple[np.ndarray, np.ndarray]:
+        """Positions (T, 3) [m] and quaternions (T, 4) at times (T,) [s]."""
+        times = np.asarray(times, float)
+        # The last via at or before each time: of two vias at one time, the second counts.
+        before = np.searchsorted(self.times, times, side="right") - 1
+        before = np.clip(before, 0, len(self.times) - 1)
+        after = np.minimum(before + 1, len(self.times) - 1)
+        via, p = np.array(self.times), np.array(self.positions)
+        span = via[after] - via[before]
+        share = np.clip((times - via[before]) / np.where(span > 0, span, 1.0), 0.0, 1.0)[:, None]
+        R = rotation.from_quaternion(np.array(self.quaternions))
+        turn = rotation.log(R[after] @ R[before].mT)
+        turned = rotation.to_quaternion(rotation.exp(share * turn) @ R[before])
+        return p[before] + share * (p[after] - p[before]), rotation.continuous(turned)
+
+    def bind(self, simulation: Simulation) -> "BoundObject":
+        """The path in one simulation, its name looked up and its poses computed."""
+        return BoundObject(self, simulation)
+
+
+class BoundObject:
+    """An object at work: ``act`` puts it where it is at a time step."""
+
+    def __init__(self, path: ObjectPath, simulation: Simulation):
+        if path.name not in simulation.objects:
+            raise ArgumentError(
+                f"no movable object '{path.name}' in the scene; it has {sorted(simulation.objects)}"
+            )
+        self.name = path.name
+        self._position, self._quaternion = simulation.objects[path.name]
+        h = simulation.timestep
+        steps = round(max(path.times[-1], 0.0) / h) + 1
+        self._positions, self._quaternions = path.poses(h * np.arange(steps + 1))
+
+    def act(self, step: int) -> None:
+        """Move the object to its pose at this time step."""
+        k = min(step, len(self._positions) - 1)
+        self._position[:], self._quaternion[:] = self._positions[k], self._quaternions[k]

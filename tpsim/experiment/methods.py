@@ -68,7 +68,9 @@ def tp_trajectory_gmm(demonstrations: Sequence[Demonstration]) -> Retrieve:
 def tp_gp(demonstrations: Sequence[Demonstration]) -> Retrieve:
     """Gaussian process over time in every frame, then their product (Fig. 13, first row)."""
     time, views, times = _in_frames(demonstrations)
-    local = [fit_gp(time, view, OVER_TIME).spread(times) for view in views]
+    every = fit_gp(time, np.hstack(views), OVER_TIME).spread(times)
+    columns = np.split(np.arange(every.dim), np.cumsum([view.shape[1] for view in views])[:-1])
+    local = [every.marginal(dims) for dims in columns]
     return lambda frames: fuse_frames(local, frames)
 
 

@@ -35,10 +35,10 @@ def _regression(repetitions: int) -> dict[str, float]:
     frames = [Frame(np.eye(3), rng.normal(size=3)).with_input() for _ in range(3)]
     gmm, time, now = model.adapt(frames), np.linspace(0, 1, 200), np.array([0.3])
     regression = Regression.of(gmm)
-    moved = frames[0].A, rng.normal(size=4)
+    moved = [Frame(frames[0].A, rng.normal(size=4)), *frames[1:]]
 
     def follow() -> Gaussian:
-        return Regression.of(model.adapt([Frame(*moved), *frames[1:]])).at(now)
+        return Regression.of(model.adapt(moved)).at(now)
 
     return {
         "gmr_200_steps_ms": 1e3 * median_time(lambda: gmr(gmm, time), repetitions),

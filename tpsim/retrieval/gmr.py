@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from tpsim.learning.gmm import GMM
 
 _BEYOND = 1e100  # squares of larger inputs overflow
+_TINY = float(np.finfo(float).tiny)
 
 
 def gmr(
@@ -122,7 +123,7 @@ class Regression:
         if ridge:
             conditional = add_ridge(conditional, ridge)
         diagonal = whiten.diagonal(axis1=-2, axis2=-1)
-        log_scale = np.log(np.maximum(gmm.priors * diagonal.prod(-1), np.finfo(float).tiny))
+        log_scale = np.log(np.maximum(gmm.priors * np.multiply.reduce(diagonal, -1), _TINY))
         return cls(mean[..., :inputs], mean[..., inputs:], linear, conditional, log_scale)
 
     def __call__(self, inputs: ArrayLike) -> Gaussian:

@@ -62,8 +62,8 @@ def test_reference_takes_the_end_of_a_stay_for_being_in_it(reference_hsmm):
     chain = reference_hsmm.chain
     durations = chain.log_durations(int(FIGURES["longest"]))[0]
     transitions = log(chain.transitions + np.diag([0, 0, 0, 1]))  # the last follows itself
-    found = forward_segments(log(chain.initial), transitions, durations, np.zeros((100, 4)))
-    ending = np.exp(found.ends[1:])
+    found = forward_segments(log(chain.initial), transitions, durations, np.zeros((100, 1, 4)))
+    ending = np.exp(found.ends[1:, 0])
     ending /= ending.sum(1, keepdims=True)
     np.testing.assert_allclose(ending, FIGURES["forward"], atol=1e-7)
     np.testing.assert_array_equal(ending.argmax(1), FIGURES["states"])
@@ -98,9 +98,9 @@ def test_geometric_durations_are_a_markov_chain():
     one_step = Gaussian(np.full((3, 1), 1.0), np.full((3, 1, 1), 1e-4))
     semi = SemiMarkovChain(initial, transitions, one_step)
     chain = MarkovChain(initial, transitions)
-    ours, theirs = semi.expectation(densities), chain.expectation(densities)
+    ours, theirs = semi.expectation([densities]), chain.expectation([densities])
     np.testing.assert_allclose(ours.log_likelihood, theirs.log_likelihood)
-    np.testing.assert_allclose(ours.responsibilities, theirs.responsibilities, atol=1e-12)
+    np.testing.assert_allclose(*(x.responsibilities[0] for x in (ours, theirs)), atol=1e-12)
     np.testing.assert_allclose(ours.transitions, theirs.transitions, atol=1e-12)
     np.testing.assert_allclose(semi.filtered(densities), chain.filtered(densities), atol=1e-12)
     np.testing.assert_allclose(semi.probabilities(20), chain.probabilities(20), atol=1e-12)

@@ -5,7 +5,10 @@ import itertools
 import numpy as np
 import pytest
 
+from tpsim.gaussian import Gaussian
 from tpsim.learning import markov, segments
+from tpsim.learning.markov import MarkovChain
+from tpsim.learning.semi_markov import SemiMarkovChain
 
 T, K, L = 6, 3, 4
 
@@ -50,9 +53,9 @@ def test_forward_and_backward_sum_over_every_path(chain):
     posterior = np.zeros((T, K))
     for path, score in every_path(start, transitions, densities):
         posterior[np.arange(T), path] += np.exp(score)
-    alpha = markov.forward(start, transitions, densities)
-    beta = markov.backward(transitions, densities)
-    np.testing.assert_allclose(np.exp(alpha + beta), posterior, rtol=1e-12)
+    alpha = markov.forward(start, transitions, densities[:, None])
+    beta = markov.backward(transitions, densities[:, None], np.array([T]))
+    np.testing.assert_allclose(np.exp(alpha + beta)[:, 0], posterior, rtol=1e-12)
 
 
 def test_viterbi_finds_the_best_of_every_path(chain):
@@ -68,17 +71,17 @@ def test_segments_sum_over_every_segmentation(chain):
     for states, lengths, score in every_segmentation(*chain):
         total += np.exp(score)
         joint[np.cumsum([0, *lengths[:-1]]), states] += np.exp(score)
-    before = segments.forward_segments(start, transitions, durations, densities)
-    after = segments.backward_segments(transitions, durations, densities)
-    np.testing.assert_allclose(np.exp(markov.log_sum(before.ends[-1])), total, rtol=1e-12)
-    np.testing.assert_allclose(np.exp(before.starts + after.starts)[:-1], joint[:-1], rtol=1e-12)
+    before = segments.forward_segments(start, transitions, durations, densities[:, None])
+    after = segments.backward_segments(transitions, durations, densities[:, None], np.array([T]))
+    np.testing.assert_allclose(np.exp(markov.log_sum(before.ends[-1, 0])), total, rtol=1e-12)
+    np.testing.assert_allclose(np.exp(before.starts + after.starts)[:-1, 0], joint[:-1], rtol=1e-12)
 
 
 def test_occupancy_is_the_probability_of_being_in_a_state(chain):
     start, transitions, durations, densities = chain
-    before = segments.forward_segments(start, transitions, durations, densities)
+    before = segments.forward_segments(start, transitions, durations, densities[:, None])
     survival = markov.log(np.exp(durations)[::-1].cumsum(0)[::-1])
-    inside = np.exp(segments.occupancy(before, survival))
+    inside = np.exp(segments.occupancy(before, survival))[:, 0]
     for t in range(T):
         expected = np.zeros(K)
         for states, _, score in every_segmentation(*chain, complete=False, steps=t + 1):
@@ -97,8 +100,25 @@ def test_long_sequences_do_not_underflow():
     rng = np.random.default_rng(1)
     densities = rng.normal(-500.0, 50.0, size=(3000, K))
     start, transitions = markov.log(np.full(K, 1 / K)), markov.log(np.full((K, K), 1 / K))
-    alpha = markov.forward(start, transitions, densities)
+    alpha = markov.forward(start, transitions, densities[:, None])[:, 0]
     assert np.isfinite(alpha).all()
     # States drawn anew at every step: the sequence factorises.
     expected = markov.log_sum(densities - np.log(K), axis=1).sum()
     np.testing.assert_allclose(markov.log_sum(alpha[-1]), expected, rtol=1e-12)
+
+
+def test_sequences_of_unequal_length_do_not_know_each_other(chain):
+    start, transitions, durations, densities = chain
+    short = [densities, densities[:4] + 1.0, densities[:1]]
+    p = np.exp(durations)
+    mean = (np.arange(1, L + 1) @ p)[:, None]
+    semi = SemiMarkovChain(np.exp(start), np.exp(transitions), Gaussian(mean, np.ones((K, 1, 1))))
+    for one in (MarkovChain(np.exp(start), np.exp(transitions)), semi):
+        together, alone = one.expectation(short), [one.expectation([x]) for x in short]
+        likelihoods = [x.log_likelihood[0] for x in alone]
+        np.testing.assert_allclose(together.log_likelihood, likelihoods, rtol=1e-12)
+        for h, x in zip(together.responsibilities, alone, strict=True):
+            np.testing.assert_allclose(h, x.responsibilities[0], atol=1e-12)
+        np.testing.assert_allclose(together.transitions, sum(x.transitions for x in alone))
+        if together.stays is not None:
+            np.testing.assert_allclose(together.stays, sum(x.stays for x in alone))

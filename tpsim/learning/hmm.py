@@ -77,11 +77,11 @@ class HiddenStates:
 
     def log_likelihood(self, observations: Demonstration | ArrayLike) -> float:
         """Log-likelihood of one whole sequence [nats]."""
-        return self.chain.expectation(self.log_densities(observations)).log_likelihood
+        return float(self.chain.expectation([self.log_densities(observations)]).log_likelihood[0])
 
     def responsibilities(self, observations: Demonstration | ArrayLike) -> np.ndarray:
         """P(s_t | the whole sequence), (T, K)."""
-        return self.chain.expectation(self.log_densities(observations)).responsibilities
+        return self.chain.expectation([self.log_densities(observations)]).responsibilities[0]
 
     def forward(self, observations: Demonstration | ArrayLike) -> np.ndarray:
         """P(s_t | the sequence until t), (T, K): the normalised forward variable."""
@@ -206,14 +206,14 @@ def fit_states(
     mixture, history = project(mixture, structure, limits), []
     while True:
         densities = np.split(samples.log_densities(mixture.components), np.cumsum(lengths)[:-1])
-        passes = [chain.expectation(density) for density in densities]
-        history.append(sum(one.log_likelihood for one in passes) / samples.count)
+        found = chain.expectation(densities)
+        history.append(found.log_likelihood.sum() / samples.count)
         converged = len(history) > 1 and history[-1] - history[-2] < tolerance
         if converged or len(history) > max_iterations:
             break
-        moments = samples.moments(np.concatenate([one.responsibilities for one in passes]))
+        moments = samples.moments(np.concatenate(found.responsibilities))
         mixture = maximise(moments, mixture, structure, limits)
-        chain = chain.maximised(passes)
+        chain = chain.maximised(found)
     model = _emissions(type(start), mixture.priors, mixture.frames(samples))
     return chain, replace(model, samples=samples.count, structure=structure), np.array(history)
 

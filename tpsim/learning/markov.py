@@ -1,7 +1,8 @@
 """Markov chain of hidden states: recursions in log space, so that nothing underflows.
 
-In the functions, `initial (K,)`, `transitions (K, K)` and the `densities (T, K)` of the
-observations are logarithms; in the :class:`MarkovChain` they are probabilities.
+In the functions, `initial (K,)`, `transitions (K, K)` and the `densities (T, M, K)` of the
+observations are logarithms; in the :class:`MarkovChain` they are probabilities. The axis M holds
+several sequences, moved through time together; behind their ends they are padded with zeros.
 """
 
 from collections.abc import Sequence
@@ -48,25 +49,31 @@ class MarkovChain:
         transitions = leave + np.diag(1.0 - leave.sum(1))
         return cls(first_states(components, topology), transitions)
 
-    def expectation(self, densities: np.ndarray) -> "Expectation":
-        """E-step for one sequence with log densities (T, K): the forward-backward recursion."""
+    def expectation(self, sequences: Sequence[np.ndarray]) -> "Expectation":
+        """E-step for sequences of log densities (T_m, K): the forward-backward recursion."""
+        densities, lengths = padded(sequences)
         initial, transitions = log(self.initial), log(self.transitions)
-        alpha, beta = forward(initial, transitions, densities), backward(transitions, densities)
-        log_likelihood = log_sum(alpha[-1])
-        joint = alpha[:-1, :, None] + transitions + (densities + beta)[1:, None, :]
+        alpha = forward(initial, transitions, densities)
+        beta = backward(transitions, densities, lengths)
+        log_likelihood = log_sum(alpha[lengths - 1, np.arange(len(lengths))], axis=1)
+        joint = alpha[:-1, ..., None] + transitions + (densities + beta)[1:, :, None]
+        within = (np.arange(1, len(densities))[:, None] < lengths)[..., None, None]
+        changes = np.exp(np.where(within, joint - log_likelihood[:, None, None], -np.inf))
+        responsibilities = posterior(alpha + beta)
         return Expectation(
-            float(log_likelihood),
-            posterior(alpha + beta),
-            np.exp(joint - log_likelihood).sum(0),
+            log_likelihood,
+            [responsibilities[:length, m] for m, length in enumerate(lengths)],
+            changes.sum((0, 1)),
         )
 
-    def maximised(self, passes: Sequence["Expectation"]) -> "MarkovChain":
-        """M-step: the chain that explains the E-steps of several sequences best."""
-        return MarkovChain(*updated(self.initial, self.transitions, passes))
+    def maximised(self, found: "Expectation") -> "MarkovChain":
+        """M-step: the chain that explains what the E-step found best."""
+        return MarkovChain(*updated(self.initial, self.transitions, found))
 
     def filtered(self, densities: np.ndarray) -> np.ndarray:
-        """P(s_t | x_0 ... x_t), (T, K)."""
-        return posterior(forward(log(self.initial), log(self.transitions), densities))
+        """P(s_t | x_0 ... x_t) for one sequence of log densities, (T, K)."""
+        alpha = forward(log(self.initial), log(self.transitions), densities[:, None])
+        return posterior(alpha[:, 0])
 
     def viterbi(self, densities: np.ndarray) -> np.ndarray:
         """Most likely states (T,)."""
@@ -90,35 +97,44 @@ class MarkovChain:
 
 @dataclass(frozen=True, eq=False)
 class Expectation:
-    """E-step for one sequence.
+    """E-step for M sequences.
 
     Parameters
     ----------
-    log_likelihood : float
-        Of the whole sequence.
-    responsibilities : (T, K)
-        P(s_t | all observations).
+    log_likelihood : (M,)
+        Of every whole sequence.
+    responsibilities : list of (T_m, K)
+        P(s_t | all observations of the sequence).
     transitions : (K, K)
         Expected number of changes from state i (row) to state j.
     stays : (3, K), optional
         Expected number of stays, of their steps, and of their squared steps, per state.
     """
 
-    log_likelihood: float
-    responsibilities: np.ndarray
+    log_likelihood: np.ndarray
+    responsibilities: list[np.ndarray]
     transitions: np.ndarray
     stays: np.ndarray | None = None
 
 
 def updated(
-    initial: np.ndarray, transitions: np.ndarray, passes: Sequence[Expectation]
+    initial: np.ndarray, transitions: np.ndarray, found: Expectation
 ) -> tuple[np.ndarray, np.ndarray]:
     """Re-estimate both distributions; a row without any change of state stays as it was."""
-    first = sum(one.responsibilities[0] for one in passes)
-    counts = sum(one.transitions for one in passes)
-    total = counts.sum(1, keepdims=True)
+    first = sum(h[0] for h in found.responsibilities)
+    total = found.transitions.sum(1, keepdims=True)
     seen = total > 1e-10
-    return first / first.sum(), np.where(seen, counts / np.where(seen, total, 1.0), transitions)
+    rows = np.where(seen, found.transitions / np.where(seen, total, 1.0), transitions)
+    return first / first.sum(), rows
+
+
+def padded(sequences: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Sequences (T_m, K) side by side, (T, M, K) with zeros behind their ends, and lengths (M,)."""
+    lengths = np.array([len(sequence) for sequence in sequences])
+    side_by_side = np.zeros((lengths.max(), len(lengths), sequences[0].shape[1]))
+    for m, sequence in enumerate(sequences):
+        side_by_side[: len(sequence), m] = sequence
+    return side_by_side, lengths
 
 
 def successors(components: int, topology: str) -> np.ndarray:
@@ -173,19 +189,20 @@ def log_sum(values: np.ndarray, axis: int = 0) -> np.ndarray:
 
 
 def forward(initial: np.ndarray, transitions: np.ndarray, densities: np.ndarray) -> np.ndarray:
-    """Log P(x_0 ... x_t, s_t = i), shape (T, K)."""
+    """Log P(x_0 ... x_t, s_t = i), shape (T, M, K)."""
     alpha = np.empty_like(densities)
     alpha[0] = initial + densities[0]
     for t in range(1, len(alpha)):
-        alpha[t] = log_sum(alpha[t - 1, :, None] + transitions) + densities[t]
+        alpha[t] = log_sum(alpha[t - 1, :, :, None] + transitions, axis=1) + densities[t]
     return alpha
 
 
-def backward(transitions: np.ndarray, densities: np.ndarray) -> np.ndarray:
-    """Log P(x_{t+1} ... x_{T-1} | s_t = i), shape (T, K)."""
+def backward(transitions: np.ndarray, densities: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Log P(x_{t+1} ... | s_t = i), shape (T, M, K)."""
     beta = np.zeros_like(densities)
     for t in range(len(beta) - 2, -1, -1):
-        beta[t] = log_sum(transitions + densities[t + 1] + beta[t + 1], axis=1)
+        follows = transitions + (densities[t + 1] + beta[t + 1])[:, None]
+        beta[t] = np.where((t < lengths - 1)[:, None], log_sum(follows, axis=2), 0.0)
     return beta
 
 

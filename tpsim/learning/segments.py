@@ -2,8 +2,8 @@
 
 A segment is one stay in one state. Borders between time steps are counted: border t lies before
 step t, so T steps have T + 1 borders. `initial (K,)`, `transitions (K, K)`, the probabilities
-`durations (L, K)` of a stay of 1 ... L steps and the `densities (T, K)` of the observations are
-logarithms.
+`durations (L, K)` of a stay of 1 ... L steps and the `densities (T, M, K)` of the observations of M
+sequences are logarithms.
 """
 
 from dataclasses import dataclass
@@ -19,11 +19,11 @@ class Segments:
 
     Parameters
     ----------
-    starts : (T + 1, K)
+    starts : (T + 1, M, K)
         Jointly with (or, in a backward pass, given) a segment of the state that starts there.
-    ends : (T + 1, K)
+    ends : (T + 1, M, K)
         The same for a segment that ends there.
-    evidence : (T + 1, K)
+    evidence : (T + 1, M, K)
         Summed log densities of the observations before the border.
     """
 
@@ -34,7 +34,7 @@ class Segments:
     @classmethod
     def empty(cls, densities: np.ndarray) -> "Segments":
         """Nothing known yet."""
-        evidence = np.vstack([np.zeros_like(densities[:1]), densities.cumsum(0)])
+        evidence = np.concatenate([np.zeros_like(densities[:1]), densities.cumsum(0)])
         return cls(np.full_like(evidence, -np.inf), np.full_like(evidence, -np.inf), evidence)
 
 
@@ -48,28 +48,29 @@ def forward_segments(
     for t in range(1, len(starts)):
         stay = min(t, len(durations))
         since = starts[t - stay : t] - evidence[t - stay : t]
-        ends[t] = log_sum(since + durations[stay - 1 :: -1]) + evidence[t]
-        starts[t] = log_sum(ends[t, :, None] + transitions)
+        ends[t] = log_sum(since + durations[stay - 1 :: -1, None]) + evidence[t]
+        starts[t] = log_sum(ends[t, :, :, None] + transitions, axis=1)
     return found
 
 
 def backward_segments(
-    transitions: np.ndarray, durations: np.ndarray, densities: np.ndarray
+    transitions: np.ndarray, durations: np.ndarray, densities: np.ndarray, lengths: np.ndarray
 ) -> Segments:
-    """Log P(x_t ... x_{T-1} | a segment of state i starts, or ends, at border t)."""
+    """Log P(x_t ... | a segment of state i starts, or ends, at border t), the last one complete."""
     found = Segments.empty(densities)
     starts, ends, evidence = found.starts, found.ends, found.evidence
-    ends[-1] = 0.0
+    ends[lengths, np.arange(len(lengths))] = 0.0
     for t in range(len(densities) - 1, -1, -1):
         stay = min(len(densities) - t, len(durations))
         until = ends[t + 1 : t + 1 + stay] + evidence[t + 1 : t + 1 + stay]
-        starts[t] = log_sum(until + durations[:stay]) - evidence[t]
-        ends[t] = log_sum(transitions + starts[t], axis=1)
+        starts[t] = log_sum(until + durations[:stay, None]) - evidence[t]
+        follows = log_sum(transitions + starts[t][:, None], axis=2)
+        ends[t] = np.where((t < lengths)[:, None], follows, ends[t])
     return found
 
 
 def occupancy(segments: Segments, survival: np.ndarray) -> np.ndarray:
-    """Log P(x_0 ... x_t, s_t = i), shape (T, K): of being in state i, not of leaving it.
+    """Log P(x_0 ... x_t, s_t = i), shape (T, M, K): of being in state i, not of leaving it.
 
     Sums over the segments that started at or before t and last beyond it; `survival (L, K)`
     is the probability of a stay of at least 1 ... L steps.
@@ -79,7 +80,7 @@ def occupancy(segments: Segments, survival: np.ndarray) -> np.ndarray:
     for t in range(len(inside)):
         stay = min(t + 1, len(survival))
         since = slice(t + 1 - stay, t + 1)
-        still_open = starts[since] - evidence[since] + survival[stay - 1 :: -1]
+        still_open = starts[since] - evidence[since] + survival[stay - 1 :: -1, None]
         inside[t] = log_sum(still_open) + evidence[t + 1]
     return inside
 
@@ -87,7 +88,7 @@ def occupancy(segments: Segments, survival: np.ndarray) -> np.ndarray:
 def viterbi_segments(
     initial: np.ndarray, transitions: np.ndarray, durations: np.ndarray, densities: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Most likely segments: their states and their durations, the last one complete."""
+    """Most likely segments of one sequence, densities (T, K): their states and durations."""
     found = Segments.empty(densities)
     starts, ends, evidence = found.starts, found.ends, found.evidence
     stays, origins = np.zeros(starts.shape, int), np.zeros(starts.shape, int)
@@ -109,15 +110,16 @@ def viterbi_segments(
 
 
 def expected_stays(
-    before: Segments, after: Segments, durations: np.ndarray, log_likelihood: float
+    before: Segments, after: Segments, durations: np.ndarray, log_likelihood: np.ndarray
 ) -> np.ndarray:
     """Expected number of stays, of their steps and of their squared steps, (3, K)."""
     since = before.starts - before.evidence
-    until = after.ends + before.evidence - log_likelihood
-    moments = np.zeros((3, since.shape[1]))
+    until = after.ends + before.evidence - log_likelihood[:, None]
+    steps = np.arange(1, len(durations) + 1)
+    powers = np.stack([steps**0, steps, steps**2]).astype(float)
+    counts = np.zeros(durations.shape)
     for t in range(1, len(until)):
         stay = min(t, len(durations))
-        steps = np.arange(1, stay + 1)
-        weights = np.exp(since[t - stay : t][::-1] + durations[:stay] + until[t])
-        moments += np.stack([steps**0, steps, steps**2]) @ weights
-    return moments
+        weights = since[t - stay : t][::-1] + durations[:stay, None] + until[t]
+        counts[:stay] += np.exp(weights).sum(1)
+    return powers @ counts

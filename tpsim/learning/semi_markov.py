@@ -15,6 +15,7 @@ from tpsim.learning.markov import (
     first_states,
     log,
     log_sum,
+    padded,
     successors,
     updated,
 )
@@ -83,37 +84,38 @@ class SemiMarkovChain:
             least,
         )
 
-    def expectation(self, densities: np.ndarray) -> Expectation:
-        """E-step for one sequence with log densities (T, K), whose last stay is complete."""
+    def expectation(self, sequences: Sequence[np.ndarray]) -> Expectation:
+        """E-step for sequences of log densities (T_m, K), whose last stays are complete."""
+        densities, lengths = padded(sequences)
         initial, transitions = log(self.initial), log(self.transitions)
         durations, _ = self.log_durations(len(densities))
         before = forward_segments(initial, transitions, durations, densities)
-        after = backward_segments(transitions, durations, densities)
-        log_likelihood = log_sum(before.ends[-1])
-        begun = np.exp(before.starts[:-1] + after.starts[:-1] - log_likelihood)
-        ended = np.exp(before.ends[:-1] + after.ends[:-1] - log_likelihood)
+        after = backward_segments(transitions, durations, densities, lengths)
+        total = log_sum(before.ends[lengths, np.arange(len(lengths))], axis=1)
+        begun = np.exp(before.starts + after.starts - total[:, None])
+        ended = np.exp(before.ends + after.ends - total[:, None])
         inside = np.maximum((begun - ended).cumsum(0), 0.0)
-        joint = before.ends[1:-1, :, None] + transitions + after.starts[1:-1, None, :]
+        responsibilities = [inside[:length, m] for m, length in enumerate(lengths)]
+        joint = before.ends[..., None] + transitions + after.starts[:, :, None]
         return Expectation(
-            float(log_likelihood),
-            inside / inside.sum(1, keepdims=True),
-            np.exp(joint - log_likelihood).sum(0),
-            expected_stays(before, after, durations, log_likelihood),
+            total,
+            [h / h.sum(1, keepdims=True) for h in responsibilities],
+            np.exp(joint - total[:, None, None]).sum((0, 1)),
+            expected_stays(before, after, durations, total),
         )
 
-    def maximised(self, passes: Sequence[Expectation]) -> "SemiMarkovChain":
-        """M-step: a chain that explains the E-steps of several sequences better."""
-        stays = sum(one.stays for one in passes)
-        count, total, squared = stays
+    def maximised(self, found: Expectation) -> "SemiMarkovChain":
+        """M-step: a chain that explains what the E-step found better."""
+        count, total, squared = found.stays
         safe = np.maximum(count, 1e-10)
         mean = total / safe
         variance = np.maximum(squared / safe - mean**2, self.least_variance)
         # Moments are the optimum but for what whole steps >= 1 cut off: old durations may win.
         old = self.durations.mean[:, 0], self.durations.covariance[:, 0, 0]
-        better = _expected_log(stays, mean, variance) > _expected_log(stays, *old)
+        better = _expected_log(found.stays, mean, variance) > _expected_log(found.stays, *old)
         mean, variance = np.where(better, mean, old[0]), np.where(better, variance, old[1])
         return SemiMarkovChain(
-            *updated(self.initial, self.transitions, passes),
+            *updated(self.initial, self.transitions, found),
             Gaussian(mean[:, None], variance[:, None, None]),
             self.least_variance,
         )
@@ -158,8 +160,9 @@ class SemiMarkovChain:
 
     def _forward(self, densities: np.ndarray) -> np.ndarray:
         durations, survival = self.log_durations(len(densities))
-        segments = forward_segments(log(self.initial), log(self.transitions), durations, densities)
-        return occupancy(segments, survival)
+        initial, transitions = log(self.initial), log(self.transitions)
+        segments = forward_segments(initial, transitions, durations, densities[:, None])
+        return occupancy(segments, survival)[:, 0]
 
 
 def _log_stays(mean: np.ndarray, variance: np.ndarray, longest: int) -> np.ndarray:

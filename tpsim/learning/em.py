@@ -58,8 +58,7 @@ class Mixture:
 def regularisation(samples: Samples, ridge: float | None) -> tuple[Regularisation, ...]:
     """Regularisation per group of frames: the data's own floor, or a ridge (Eq. 8)."""
     if ridge is None:
-        total = samples.total()
-        return data_floors(list(total.scatter), total.weight[0])
+        return data_floors(samples.total())
     if not (np.isfinite(ridge) and ridge >= 0):
         raise ArgumentError(f"ridge is {ridge}; it must be a finite number >= 0, or None")
     return tuple(Ridge(float(ridge)) for _ in samples.groups)

@@ -59,85 +59,100 @@ def views_of(observations: Views) -> tuple[list[np.ndarray], list[int]]:
     return views, [len(views[0])]
 
 
+@dataclass(frozen=True, eq=False)
+class Options:
+    """How to fit, in the words of :func:`tpsim.learning.tp_gmm.fit_tp_gmm`."""
+
+    covariance: str | Structure
+    start: Start
+    ridge: float | None
+    tolerance: float
+    max_iterations: int
+    restarts: int
+    time: ArrayLike | None
+    rng: np.random.Generator | None
+
+    def __post_init__(self):
+        checked_count("max_iterations", self.max_iterations, least=0)
+        checked_count("restarts", self.restarts, least=0)
+        if not isinstance(self.tolerance, int | float | np.number) or np.isnan(self.tolerance):
+            raise ArgumentError(f"tolerance is {self.tolerance!r}; it must be a number")
+        if isinstance(self.start, str) and self.start not in ("time", "kmeans"):
+            raise ArgumentError(
+                f"start is {self.start!r}; give 'time', 'kmeans', a model, or None for the best"
+            )
+
+
 def fit(
-    views: Sequence[np.ndarray],
-    lengths: Sequence[int],
-    components: int,
-    *,
-    covariance: str | Structure,
-    start: Start,
-    ridge: float | None,
-    tolerance: float,
-    max_iterations: int,
-    restarts: int,
-    time: ArrayLike | None,
-    rng: np.random.Generator | None,
+    views: Sequence[np.ndarray], lengths: Sequence[int], components: int, options: Options
 ) -> Fit:
     """Fit a mixture to samples seen from P frames, ``views`` (N, d_j) each.
 
-    ``lengths`` are those of the sequences that the samples are made of, one after the other; the
-    other arguments are those of :func:`tpsim.learning.tp_gmm.fit_tp_gmm`.
+    ``lengths`` are those of the sequences that the samples are made of, one after the other.
     """
-    structure = structure_of(covariance)
-    _check_options(components, tolerance, max_iterations, restarts)
+    structure = structure_of(options.covariance)
+    checked_count("components", components, least=1)
     _check_samples(views, components)
     samples = Samples(views)
-    limits = regularisation(samples, ridge)
-    best = None
-    for labels in _starts(start, views, lengths, components, restarts, time, rng):
-        if isinstance(labels, tuple):
-            mixture = project(_given(labels, components, samples), structure, limits)
-        else:
-            one_hot = (labels[:, None] == np.arange(components)).astype(float)
-            mixture = maximise(samples.moments(one_hot), None, structure, limits)
-        found = em(samples, mixture, structure, limits, tolerance, max_iterations)
-        if best is None or found[1][-1] > best[1][-1]:
-            best = found
-    mixture, history = best
-    return Fit(mixture.priors, mixture.frames(samples), history, samples, structure)
+    limits = regularisation(samples, options.ridge)
+    try:
+        # What a small ridge leaves singular must end in a message, not in NaN.
+        with np.errstate(divide="raise", invalid="raise", over="raise"):
+            found = [
+                em(samples, start, structure, limits, options.tolerance, options.max_iterations)
+                for start in _starts(samples, views, lengths, components, options, limits)
+            ]
+    except (np.linalg.LinAlgError, FloatingPointError) as error:
+        raise ArgumentError(
+            f"EM met a singular covariance ({error}) with ridge = {options.ridge}; give a larger "
+            "ridge, or None for the floor that the data set"
+        ) from error
+    mixture, history = max(found, key=lambda result: result[1][-1])
+    frames = mixture.frames(samples)
+    for frame in frames:
+        _ = frame.precision  # computed once, remembered, and refused here if it means nothing
+    return Fit(mixture.priors, frames, history, samples, structure)
 
 
-def _starts(start, views, lengths, components, restarts, time, rng) -> Iterator:
-    """Labels (N,) to begin with, or a model."""
-    if isinstance(start, tuple):
-        yield start
+def _starts(samples, views, lengths, components, options, limits) -> Iterator[Mixture]:
+    """Mixtures to begin with: the model that was given, or one from each labelling."""
+    structure = structure_of(options.covariance)
+    if isinstance(options.start, tuple):
+        yield project(_given(options.start, components, samples), structure, limits)
         return
-    if start not in (None, "time", "kmeans"):
-        raise ArgumentError(f"start is {start!r}; give 'time', 'kmeans', a model, or None")
+    for labels in _labellings(views, lengths, components, options):
+        one_hot = (labels[:, None] == np.arange(components)).astype(float)
+        yield maximise(samples.moments(one_hot), None, structure, limits)
+
+
+def _labellings(views, lengths, components, options) -> Iterator[np.ndarray]:
+    """Labels (N,) that share the samples out among the components."""
     if components == 1:
         yield np.zeros(len(views[0]), int)
         return
-    if start != "kmeans":
-        yield split_in_time(time_of(views, lengths, time), components)
-    if start != "time":
+    if options.start != "kmeans":
+        yield split_in_time(time_of(views, lengths, options.time), components)
+    if options.start != "time":
         points = standardised(views)
-        rng = np.random.default_rng(0) if rng is None else rng
-        for _ in range(1 + restarts):
+        rng = np.random.default_rng(0) if options.rng is None else options.rng
+        for _ in range(1 + options.restarts):
             yield kmeans(points, spread_centres(points, components, rng))[0]
 
 
 def _given(model, components: int, samples: Samples) -> Mixture:
     priors, frames = model
+    dims = {j: d for group, d in zip(samples.groups, samples.dims, strict=True) for j in group}
     shapes = [frame.mean.shape for frame in frames]
-    dims = dict(
-        (j, d) for group, d in zip(samples.groups, samples.dims, strict=True) for j in group
-    )
     expected = [(components, dims[j]) for j in range(len(dims))]
     if shapes != expected:
         raise ArgumentError(f"start has means of shapes {shapes}; the data ask for {expected}")
     return Mixture.of(np.maximum(priors, np.finfo(float).tiny), frames, samples)
 
 
-def _check_options(components, tolerance, max_iterations, restarts) -> None:
-    for name, value, least in (
-        ("components", components, 1),
-        ("max_iterations", max_iterations, 0),
-        ("restarts", restarts, 0),
-    ):
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-            raise ArgumentError(f"{name} is {value!r}; it must be a whole number >= {least}")
-    if not isinstance(tolerance, int | float | np.number) or np.isnan(tolerance):
-        raise ArgumentError(f"tolerance is {tolerance!r}; it must be a number")
+def checked_count(name: str, value: int, least: int) -> None:
+    """Raise an ArgumentError unless ``value`` is a whole number from ``least`` upwards."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+        raise ArgumentError(f"{name} is {value!r}; it must be a whole number >= {least}")
 
 
 def _check_samples(views: Sequence[np.ndarray], components: int) -> None:

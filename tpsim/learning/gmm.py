@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from tpsim.archive import load_arrays, save_arrays
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian, finite_array, match_moments
-from tpsim.learning.fit import Start, fit
+from tpsim.learning.fit import Options, Start, fit
 from tpsim.learning.subspace import FULL, Structure, structure_named
 
 
@@ -153,19 +153,9 @@ def fit_gmm(
     sequences = _sequences(data)
     if isinstance(start, GMM):
         start = start.priors, (start.gaussians,)
-    fitted = fit(
-        [np.concatenate(sequences)],
-        [len(sequence) for sequence in sequences],
-        components,
-        covariance=covariance,
-        start=start,
-        ridge=ridge,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        restarts=restarts,
-        time=time,
-        rng=rng,
-    )
+    options = Options(covariance, start, ridge, tolerance, max_iterations, restarts, time, rng)
+    lengths = [len(sequence) for sequence in sequences]
+    fitted = fit([np.concatenate(sequences)], lengths, components, options)
     return GMM(
         fitted.priors, fitted.frames[0], fitted.history, fitted.samples.count, fitted.structure
     )

@@ -19,6 +19,8 @@ import numpy as np
 
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import add_ridge, symmetric
+from tpsim.learning.moments import Moments
+from tpsim.learning.start import RESOLUTION
 
 SPREAD = 0.03  # of the data: how widely the D + 1 imagined samples lie
 LEAST = 0.001  # of the data: narrower than this is never believed
@@ -96,46 +98,45 @@ class Floor:
 Regularisation = Ridge | Floor
 
 
-def data_floors(totals: list[np.ndarray], count: float) -> tuple[Floor, ...]:
+def data_floors(total: Moments) -> tuple[Floor, ...]:
     """Floors that the data set, one per group of frames; see the module's docstring.
 
     Parameters
     ----------
-    totals : list of (G, 1, d, d)
-        Covariance of all samples in the frames of each group.
-    count : float
-        Number of samples N.
+    total : Moments
+        Of all samples, as one group.
 
     Raises
     ------
     ArgumentError
         All samples are the same point.
     """
-    scales = [_mean_variance(total) for total in totals]
+    scales = [_mean_variance(scatter) for scatter in total.scatter]
     fallback = max(scale.max() for scale in scales)
     if not fallback > 0:
         raise ArgumentError("all samples are the same point; a Gaussian needs samples that differ")
     floors = []
-    for total, scale in zip(totals, scales, strict=True):
-        share = max((total.shape[-1] + 1) / count * SPREAD**2, LEAST**2)
+    for mean, scatter, scale in zip(total.mean, total.scatter, scales, strict=True):
+        share = max((mean.shape[-1] + 1) / total.weight[0] * SPREAD**2, LEAST**2)
         # A frame in which nothing moves has no scale of its own: it takes the largest one.
         scale = np.where(scale > 0, scale, fallback)
-        floors.append(Floor(share * _well_conditioned(total, scale)))
+        floors.append(Floor(share * _loosened(mean, scatter, scale)))
     return tuple(floors)
 
 
-def _mean_variance(total: np.ndarray) -> np.ndarray:
-    return np.trace(total, axis1=-2, axis2=-1)[..., None] / total.shape[-1]
+def _mean_variance(scatter: np.ndarray) -> np.ndarray:
+    return np.trace(scatter, axis1=-2, axis2=-1)[..., None] / scatter.shape[-1]
 
 
-def _well_conditioned(total: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """Total covariance with constant columns and perfect correlations loosened."""
-    variances = np.diagonal(total, axis1=-2, axis2=-1)
-    constant = variances <= 1e-24 * scale
-    deviations = np.sqrt(np.where(constant, DEGENERATE * scale, variances))
+def _loosened(mean: np.ndarray, scatter: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """Covariance of the data with constant columns and perfect correlations loosened."""
+    variances = np.diagonal(scatter, axis1=-2, axis2=-1)
+    constant = variances <= (RESOLUTION * mean) ** 2
+    unknown = np.maximum(DEGENERATE * scale, (RESOLUTION / LEAST**2 * mean) ** 2)
+    deviations = np.sqrt(np.where(constant, unknown, variances))
     outer = deviations[..., :, None] * deviations[..., None, :]
-    correlation = np.where(constant[..., :, None] | constant[..., None, :], 0.0, total / outer)
-    correlation = correlation + constant[..., None] * np.eye(total.shape[-1])
+    known = ~(constant[..., :, None] | constant[..., None, :])
+    correlation = np.where(known, scatter / outer, np.eye(mean.shape[-1]))
     eigenvalues, V = np.linalg.eigh(correlation)
     correlation = (V * np.maximum(eigenvalues, DEGENERATE)[..., None, :]) @ V.mT
     return symmetric(correlation) * outer

@@ -8,6 +8,8 @@ from numpy.typing import ArrayLike
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import finite_array
 
+RESOLUTION = 1e-10  # of the size of a column: a spread below this is rounding
+
 
 def split_in_time(time: np.ndarray, components: int) -> np.ndarray:
     """Labels (N,) of K equal spans of ``time``; of equal counts where a span would be empty."""
@@ -49,7 +51,7 @@ def standardised(views: Sequence[np.ndarray]) -> np.ndarray:
     stacked = np.hstack(views)
     deviation = stacked - stacked.mean(0)
     size = np.abs(deviation).max(0)
-    deviation /= np.where(size > 1e-13 * np.abs(stacked).max(0), size, np.inf)
+    deviation /= np.where(size > RESOLUTION * np.abs(stacked).max(0), size, np.inf)
     scale = deviation.std(0)
     return deviation / np.where(scale > 0, scale, 1.0)
 

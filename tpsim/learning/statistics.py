@@ -15,9 +15,11 @@ import numpy as np
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import LOG_2PI, cholesky
 from tpsim.learning.moments import CAPACITY, Memory, Moments
+from tpsim.learning.start import RESOLUTION
 
 CACHE_BYTES = 2**28  # features are kept up to this size, else made anew in every pass
 BLOCK_BYTES = 2**20  # one block of samples at a time: what stays in the processor's cache
+LARGEST = 1e100  # number whose powers and products stay finite
 SEGMENT = 4  # successive samples that a model remembers as one
 FAINTEST = -200.0  # log of the least responsibility: smaller ones make slow subnormal numbers
 
@@ -67,9 +69,8 @@ class Samples:
         self.count = len(views[0])
         self._memory = memory
         self._triangles = tuple(np.triu_indices(d) for d in self.dims)
-        self._stacks = tuple(np.stack([views[j].T for j in group]) for group in self.groups)
-        self._centres = tuple(stack.mean(-1) for stack in self._stacks)
-        self._scales = tuple(map(_spread, self._stacks, self._centres))
+        stacks = [np.stack([views[j].T for j in group]) for group in self.groups]
+        self._stacks, self._centres, self._scales = zip(*map(_measured, stacks), strict=True)
         self._size = 1 + sum(
             len(group) * (d + d * (d + 1) // 2)
             for group, d in zip(self.groups, self.dims, strict=True)
@@ -228,13 +229,22 @@ def _responsibilities(joint: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return top + np.log(evidence), joint
 
 
-def _spread(stack: np.ndarray, centre: np.ndarray) -> np.ndarray:
-    """Standard deviation of every column (G, d); one where the column is constant."""
-    deviation = np.abs(stack - centre[..., None]).max(-1)
+def _measured(stack: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Samples (G, d, N), their centre (G, d) and standard deviation (G, d).
+
+    A column whose spread is lost in the rounding of its size is made constant, with scale one.
+    """
     size = np.abs(stack).max(-1)
-    if size.max() > 1e100:
-        raise ArgumentError(f"samples reach {size.max():.1e}; change units to stay below 1e100")
-    constant = (deviation <= 1e-13 * size) | (deviation < 1e-100)
-    largest = np.where(constant, 1.0, deviation)
-    spread = ((stack - centre[..., None]) / largest[..., None]).std(-1)
-    return np.where(constant, 1.0, largest * spread)
+    if size.max() > LARGEST:
+        raise ArgumentError(
+            f"samples reach {size.max():.1e}; change units to stay below {LARGEST:.0e}"
+        )
+    centre = stack.mean(-1)
+    deviation = stack - centre[..., None]
+    largest = np.abs(deviation).max(-1)
+    constant = largest <= np.maximum(RESOLUTION * size, 1 / LARGEST)
+    if constant.any():
+        stack = np.where(constant[..., None], centre[..., None], stack)
+    largest = np.where(constant, 1.0, largest)
+    scale = largest * np.sqrt(np.square(deviation / largest[..., None]).mean(-1))
+    return stack, centre, np.where(constant, 1.0, scale)

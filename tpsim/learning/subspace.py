@@ -156,12 +156,13 @@ class MFA(_Subspace):
         return symmetric(loadings @ loadings.mT) + _diagonal(noise), (loadings, noise)
 
     def start(self, covariance, limit):
-        """Principal factors of the covariance, then sweeps of factor analysis on it."""
-        variances = _variances(covariance)
-        loadings = _principal(
-            covariance - _diagonal(variances), self.subspace(covariance.shape[-1])
-        )
-        factors = loadings, limit.variances(variances)
+        """Principal factors of the correlations, then sweeps of factor analysis."""
+        variances = limit.variances(_variances(covariance))
+        scale = np.sqrt(variances)
+        correlation = covariance / (scale[..., :, None] * scale[..., None, :])
+        off_diagonal = correlation - _diagonal(_variances(correlation))
+        loadings = scale[..., None] * _principal(off_diagonal, self.subspace(scale.shape[-1]))
+        factors = loadings, variances
         for _ in range(SWEEPS):
             factors = self._step(covariance, factors, limit)
         return factors

@@ -12,7 +12,7 @@ from tpsim.archive import load_arrays, save_arrays
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
-from tpsim.learning.fit import Start, Views, fit, views_of
+from tpsim.learning.fit import Options, Start, Views, fit, views_of
 from tpsim.learning.gmm import (
     GMM,
     checked_priors,
@@ -274,19 +274,8 @@ def fit_tp_gmm(
     views, lengths = views_of(demonstrations)
     if isinstance(start, TPGMM):
         start = start.priors, start.frames
-    fitted = fit(
-        views,
-        lengths,
-        components,
-        covariance=covariance,
-        start=start,
-        ridge=ridge,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        restarts=restarts,
-        time=time,
-        rng=rng,
-    )
+    options = Options(covariance, start, ridge, tolerance, max_iterations, restarts, time, rng)
+    fitted = fit(views, lengths, components, options)
     return TPGMM(
         fitted.priors,
         fitted.frames,

@@ -11,7 +11,7 @@ from tpsim.experiment import gallery
 from tpsim.paths import DEMOS
 
 SCRIPTS = sorted(DEMOS.glob("demo_*.py"))
-LINES = 60
+LINES = 65  # one scroll
 
 
 def numbers_in(value):

@@ -14,6 +14,7 @@ from tpsim.errors import ArgumentError, SimulationError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.sim.coordinate import Coordinate, Posture
+from tpsim.sim.guard import guard
 from tpsim.sim.robot import Robot
 
 
@@ -84,18 +85,71 @@ class Controller:
         return self.feedback() + guard(robot) + self.feedforward
 
 
-class MinimalIntervention(Controller):
-    """Infinite-horizon LQT in joint space over all frames of all behaviours (Sections 6 and 7).
+class TorqueOptimal(Controller):
+    """Infinite-horizon LQT towards a Gaussian of the joint posture, with torque as its effort.
+
+    The effort that is weighed against the precision Lambda is torque, ``r |tau|^2`` with
+    ``tau = M ddq``. In ``z = M q`` this is a unit double integrator of precision
+    ``Lambda_z = M^-1 Lambda M^-1``, whose optimum is closed form, ``K_z = (Lambda_z / r)^(1/2)``,
+    ``D_z = (2 K_z)^(1/2)``: one symmetric eigendecomposition gives
+    ``tau = K_z M (q_hat - q) - D_z M dq + bias``. Weighing torque, and not acceleration, keeps
+    heavy directions as soft as light ones.
+
+    Parameters
+    ----------
+    robot : Robot
+    effort : float
+        Cost r of torque [1/(Nm)^2], against the log-likelihood of the movement.
+    """
+
+    def __init__(self, robot: Robot, effort: float):
+        if not effort > 0:
+            raise ArgumentError(f"effort is {effort}; it must be positive")
+        super().__init__(robot)
+        self.effort = float(effort)
+
+    def _solve(self) -> None:
+        """Hand gradient and precision in z, seen from the present posture, to :meth:`_decompose`.
+
+        The gradient (n,) is ``Lambda_z M (q_hat - q)``.
+        """
+        raise NotImplementedError
+
+    def _decompose(self, gradient, precision):
+        self._gradient = gradient
+        # LAPACK directly: numpy's wrapper costs a third of the call at this size.
+        self._eigenvalues, self._eigenvectors, failed = dsyevd(precision.T, overwrite_a=1)
+        if failed:
+            raise SimulationError("the precision of the frames has no eigendecomposition")
+
+    def feedback(self) -> np.ndarray:
+        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
+        self._solve()
+        V, root = self._eigenvectors, np.sqrt(self._eigenvalues)
+        r = np.sqrt(self.effort)
+        # K_z M (q_hat - q) = K_z Lambda_z^-1 M^-1 g in the eigenbasis of Lambda_z.
+        pull = (V.T @ self._gradient) / (r * root)
+        brake = np.sqrt(2 * root / r) * (V.T @ (self.robot.mass @ self.robot.dq))
+        return V @ (pull - brake)
+
+    def impedance(self) -> Impedance:
+        """Stiffness, damping and reference of the last :meth:`feedback`."""
+        V, values, mass = self._eigenvectors, self._eigenvalues, self.robot.mass
+        stiffness = np.sqrt(values / self.effort)
+        step = V @ ((V.T @ self._gradient) / values)
+        return Impedance(
+            (V * stiffness) @ (V.T @ mass),
+            (V * np.sqrt(2 * stiffness)) @ (V.T @ mass),
+            self.robot.q + np.linalg.solve(mass, step),
+        )
+
+
+class MinimalIntervention(TorqueOptimal):
+    """Minimal intervention in joint space over all frames of all behaviours (Sections 6 and 7).
 
     The Gaussians of every frame are projected into joint space by Table 3 and multiplied in
     information form, Eqs (5)-(6): ``Lambda = sum_j J_j^T W_j J_j``. Behaviours that were taught
     apart are combined by the same product, as in the last sequence of Fig. 9.
-
-    The effort that is weighed against it is torque, ``r |tau|^2`` with ``tau = M ddq``. In
-    ``z = M q`` this is a unit double integrator of precision ``Lambda_z = M^-1 Lambda M^-1``,
-    whose optimum is closed form, ``K_z = (Lambda_z / r)^(1/2)``, ``D_z = (2 K_z)^(1/2)``: one
-    symmetric eigendecomposition a step gives ``tau = K_z M (q_hat - q) - D_z M dq + bias``.
-    Weighing torque, and not acceleration, keeps heavy directions as soft as light ones.
 
     Parameters
     ----------
@@ -117,10 +171,7 @@ class MinimalIntervention(Controller):
     ):
         if not behaviours:
             raise ArgumentError("no behaviour was given; give at least one")
-        if not effort > 0:
-            raise ArgumentError(f"effort is {effort}; it must be positive")
-        super().__init__(robot)
-        self.effort = float(effort)
+        super().__init__(robot, effort)
         experts = [(b.coordinates, b.model.priors, b.model.frames) for b in behaviours]
         if prior is not None:
             posture = (Posture("prior", robot.joints),)
@@ -165,33 +216,7 @@ class MinimalIntervention(Controller):
         inverse_mass = self.robot.inverse_mass()
         Jz = self._J @ inverse_mass
         JW = Jz.T @ W
-        self._gradient = Jz.T @ Wmu - JW @ self._y
-        precision = JW @ Jz
-        # LAPACK directly: numpy's wrapper costs a third of the call at this size.
-        self._eigenvalues, self._eigenvectors, failed = dsyevd(precision.T, overwrite_a=1)
-        if failed:
-            raise SimulationError("the precision of the frames has no eigendecomposition")
-
-    def feedback(self) -> np.ndarray:
-        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
-        self._solve()
-        V, root = self._eigenvectors, np.sqrt(self._eigenvalues)
-        r = np.sqrt(self.effort)
-        # K_z M (q_hat - q) = K_z Lambda_z^-1 M^-1 g in the eigenbasis of Lambda_z.
-        pull = (V.T @ self._gradient) / (r * root)
-        brake = np.sqrt(2 * root / r) * (V.T @ (self.robot.mass @ self.robot.dq))
-        return V @ (pull - brake)
-
-    def impedance(self) -> Impedance:
-        """Stiffness, damping and reference of the last :meth:`feedback`."""
-        V, values, mass = self._eigenvectors, self._eigenvalues, self.robot.mass
-        stiffness = np.sqrt(values / self.effort)
-        step = V @ ((V.T @ self._gradient) / values)
-        return Impedance(
-            (V * stiffness) @ (V.T @ mass),
-            (V * np.sqrt(2 * stiffness)) @ (V.T @ mass),
-            self.robot.q + np.linalg.solve(mass, step),
-        )
+        self._decompose(Jz.T @ Wmu - JW @ self._y, JW @ Jz)
 
 
 class _Mixture:
@@ -284,23 +309,6 @@ class GravityCompensation(Controller):
         """No stiffness, light damping."""
         n = self.robot.n
         return Impedance(np.zeros((n, n)), self._damping * np.eye(n), self.robot.q)
-
-
-GUARD = (0.1, 400.0)
-"""Joint limits are guarded within this angle [rad], by this stiffness [1/s^2] times inertia."""
-
-
-def guard(robot: Robot) -> np.ndarray:
-    """Torque (n,) [Nm] that keeps joints off their limits of position and velocity.
-
-    A one-sided spring near each limit and a one-sided brake above each velocity limit, scaled by
-    the joint's inertia; zero elsewhere.
-    """
-    width, stiffness = GUARD
-    low = np.maximum(robot.lower + width - robot.q, 0.0)
-    high = np.maximum(robot.q + width - robot.upper, 0.0)
-    speed = robot.dq - np.minimum(np.maximum(robot.dq, -robot.velocity_limit), robot.velocity_limit)
-    return np.diagonal(robot.mass) * (stiffness * (low - high) - 50.0 * speed)
 
 
 def hand_stiffness(robot: Robot, stiffness, site: int) -> np.ndarray:

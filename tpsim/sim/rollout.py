@@ -75,7 +75,7 @@ def rollout(
         robot.update(simulation.q.copy(), simulation.dq.copy())
         wanted = controller.torque()
         torque = np.minimum(np.maximum(wanted, -limit), limit)
-        saturated += not np.array_equal(torque, wanted)
+        saturated += (torque != wanted).any()
         simulation.clear_wrenches()
         for person in outside:
             person.act(step)

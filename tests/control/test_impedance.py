@@ -130,6 +130,8 @@ def test_reference_finite_horizon_is_an_euler_riccati_equation(situation):
         (np.ones(3), 1.0, "square"),
         (np.diag([1.0, -1.0]), 1.0, "indefinite"),
         (np.full((2, 2), np.inf), 1.0, "infinite"),
+        (np.eye(2) + np.eye(2, k=1), 1.0, "not symmetric"),
+        (np.eye(2), np.ones(3), "over time"),
         (np.eye(2), 0.0, "positive number"),
         (np.eye(2), np.diag([1.0, 0.0]), "positive definite"),
         (np.eye(2), np.eye(3), "not usable"),

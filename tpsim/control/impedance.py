@@ -52,7 +52,13 @@ def impedance(precision: ArrayLike, effort: ArrayLike) -> tuple[np.ndarray, np.n
         raise ArgumentError(
             f"precision has shape {precision.shape}; give square matrices (..., n, n)"
         )
-    if effort.ndim < 2 or effort.shape[-1] == 1:
+    if np.abs(precision - precision.mT).max(initial=0.0) > 1e-6 * np.abs(precision).max(
+        initial=0.0
+    ):
+        raise ArgumentError("precision is not symmetric; pass 0.5 * (P + P.T) if that is meant")
+    if effort.ndim == 1:
+        raise ArgumentError(f"effort has shape {effort.shape}; give efforts over time as (T, 1, 1)")
+    if effort.ndim == 0 or effort.shape[-1] == 1:
         if not (effort > 0).all():
             raise ArgumentError(f"effort is {effort}; give a positive number")
         return _scaled_roots(precision / effort)

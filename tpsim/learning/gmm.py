@@ -80,8 +80,7 @@ class GMM:
 
     def __getitem__(self, index) -> "GMM":
         """Select along the leading axes, as ``gmm[t]`` for the mixture at step t."""
-        index = index if isinstance(index, tuple) else (index,)
-        return GMM(self.priors, self.gaussians[(*index, Ellipsis, slice(None))])
+        return GMM(self.priors, self.gaussians[index])
 
     def log_joint(self, x: ArrayLike) -> np.ndarray:
         """Log of prior times density of ``x`` (..., D) for every component, (..., K)."""

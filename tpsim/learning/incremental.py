@@ -9,7 +9,7 @@ from tpsim.learning.em import Mixture, em, maximise, project, regularisation
 from tpsim.learning.fit import Views, views_of
 from tpsim.learning.moments import Memory
 from tpsim.learning.regularisation import Regularisation
-from tpsim.learning.start import split_in_time, time_of
+from tpsim.learning.start import kmeans, split_in_time, spread_centres, standardised, time_of
 from tpsim.learning.statistics import Components, Samples
 from tpsim.learning.tp_gmm import TPGMM
 
@@ -75,7 +75,7 @@ def update_tp_gmm(
 def _starts(
     model: TPGMM, samples: Samples, memory: Memory, limits: Sequence[Regularisation]
 ) -> Iterator[Mixture]:
-    """Begin from the model, from the model grown wider, and anew from an equal split in time.
+    """Begin from the model, from the model grown wider, and anew as a first fit does.
 
     What was learned from few demonstrations is narrower than what the next ones show.
     """
@@ -87,8 +87,16 @@ def _starts(
             for part, all_ in zip(current.components, total, strict=True)
         )
         yield project(Mixture(current.priors, components), model.structure, limits)
-    labels = split_in_time(memory.time, model.components)
-    yield maximise(memory.moments.pooled(labels, model.components), None, model.structure, limits)
+    for labels in _labellings(memory, model.components):
+        moments = memory.moments.pooled(labels, model.components)
+        yield maximise(moments, None, model.structure, limits)
+
+
+def _labellings(memory: Memory, components: int) -> Iterator[np.ndarray]:
+    """Share the remembered runs out among the components, in time and by k-means."""
+    yield split_in_time(memory.time, components)
+    points = standardised([mean for part in memory.moments.mean for mean in part])
+    yield kmeans(points, spread_centres(points, components, np.random.default_rng(0)))[0]
 
 
 def _check(model: TPGMM, views: list[np.ndarray], retention: float) -> None:

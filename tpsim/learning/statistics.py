@@ -20,7 +20,7 @@ from tpsim.learning.start import RESOLUTION
 CACHE_BYTES = 2**28  # features are kept up to this size, else made anew in every pass
 BLOCK_BYTES = 2**20  # one block of samples at a time: what stays in the processor's cache
 LARGEST = 1e100  # number whose powers and products stay finite
-SEGMENT = 4  # successive samples that a model remembers as one
+SEGMENT = 2  # successive samples that a model remembers as one
 FAINTEST = -200.0  # log of the least responsibility: smaller ones make slow subnormal numbers
 
 
@@ -117,7 +117,7 @@ class Samples:
 
     def remembered(self, time: np.ndarray, lengths: Sequence[int]) -> Memory:
         """What to remember of the samples, at times (N,), and of the memory."""
-        run = max(SEGMENT, -(-self.count // CAPACITY))
+        run = max(SEGMENT, -(-2 * self.count // CAPACITY))
         ends = np.cumsum(lengths)
         cuts = [np.arange(end - n, end, run) for end, n in zip(ends, lengths, strict=True)]
         cuts = np.unique(np.concatenate([*cuts, [rows.start for rows in self._slices]]))

@@ -85,71 +85,18 @@ class Controller:
         return self.feedback() + guard(robot) + self.feedforward
 
 
-class TorqueOptimal(Controller):
-    """Infinite-horizon LQT towards a Gaussian of the joint posture, with torque as its effort.
-
-    The effort that is weighed against the precision Lambda is torque, ``r |tau|^2`` with
-    ``tau = M ddq``. In ``z = M q`` this is a unit double integrator of precision
-    ``Lambda_z = M^-1 Lambda M^-1``, whose optimum is closed form, ``K_z = (Lambda_z / r)^(1/2)``,
-    ``D_z = (2 K_z)^(1/2)``: one symmetric eigendecomposition gives
-    ``tau = K_z M (q_hat - q) - D_z M dq + bias``. Weighing torque, and not acceleration, keeps
-    heavy directions as soft as light ones.
-
-    Parameters
-    ----------
-    robot : Robot
-    effort : float
-        Cost r of torque [1/(Nm)^2], against the log-likelihood of the movement.
-    """
-
-    def __init__(self, robot: Robot, effort: float):
-        if not effort > 0:
-            raise ArgumentError(f"effort is {effort}; it must be positive")
-        super().__init__(robot)
-        self.effort = float(effort)
-
-    def _solve(self) -> None:
-        """Hand gradient and precision in z, seen from the present posture, to :meth:`_decompose`.
-
-        The gradient (n,) is ``Lambda_z M (q_hat - q)``.
-        """
-        raise NotImplementedError
-
-    def _decompose(self, gradient, precision):
-        self._gradient = gradient
-        # LAPACK directly: numpy's wrapper costs a third of the call at this size.
-        self._eigenvalues, self._eigenvectors, failed = dsyevd(precision.T, overwrite_a=1)
-        if failed:
-            raise SimulationError("the precision of the frames has no eigendecomposition")
-
-    def feedback(self) -> np.ndarray:
-        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
-        self._solve()
-        V, root = self._eigenvectors, np.sqrt(self._eigenvalues)
-        r = np.sqrt(self.effort)
-        # K_z M (q_hat - q) = K_z Lambda_z^-1 M^-1 g in the eigenbasis of Lambda_z.
-        pull = (V.T @ self._gradient) / (r * root)
-        brake = np.sqrt(2 * root / r) * (V.T @ (self.robot.mass @ self.robot.dq))
-        return V @ (pull - brake)
-
-    def impedance(self) -> Impedance:
-        """Stiffness, damping and reference of the last :meth:`feedback`."""
-        V, values, mass = self._eigenvectors, self._eigenvalues, self.robot.mass
-        stiffness = np.sqrt(values / self.effort)
-        step = V @ ((V.T @ self._gradient) / values)
-        return Impedance(
-            (V * stiffness) @ (V.T @ mass),
-            (V * np.sqrt(2 * stiffness)) @ (V.T @ mass),
-            self.robot.q + np.linalg.solve(mass, step),
-        )
-
-
-class MinimalIntervention(TorqueOptimal):
-    """Minimal intervention in joint space over all frames of all behaviours (Sections 6 and 7).
+class MinimalIntervention(Controller):
+    """Infinite-horizon LQT in joint space over all frames of all behaviours (Sections 6 and 7).
 
     The Gaussians of every frame are projected into joint space by Table 3 and multiplied in
     information form, Eqs (5)-(6): ``Lambda = sum_j J_j^T W_j J_j``. Behaviours that were taught
     apart are combined by the same product, as in the last sequence of Fig. 9.
+
+    The effort that is weighed against it is torque, ``r |tau|^2`` with ``tau = M ddq``. In
+    ``z = M q`` this is a unit double integrator of precision ``Lambda_z = M^-1 Lambda M^-1``,
+    whose optimum is closed form, ``K_z = (Lambda_z / r)^(1/2)``, ``D_z = (2 K_z)^(1/2)``: one
+    symmetric eigendecomposition a step gives ``tau = K_z M (q_hat - q) - D_z M dq + bias``.
+    Weighing torque, and not acceleration, keeps heavy directions as soft as light ones.
 
     Parameters
     ----------
@@ -171,7 +118,10 @@ class MinimalIntervention(TorqueOptimal):
     ):
         if not behaviours:
             raise ArgumentError("no behaviour was given; give at least one")
-        super().__init__(robot, effort)
+        if not effort > 0:
+            raise ArgumentError(f"effort is {effort}; it must be positive")
+        super().__init__(robot)
+        self.effort = float(effort)
         experts = [(b.coordinates, b.model.priors, b.model.frames) for b in behaviours]
         if prior is not None:
             posture = (Posture("prior", robot.joints),)
@@ -216,7 +166,45 @@ class MinimalIntervention(TorqueOptimal):
         inverse_mass = self.robot.inverse_mass()
         Jz = self._J @ inverse_mass
         JW = Jz.T @ W
-        self._decompose(Jz.T @ Wmu - JW @ self._y, JW @ Jz)
+        self._gradient = Jz.T @ Wmu - JW @ self._y
+        precision = JW @ Jz
+        # LAPACK directly: numpy's wrapper costs a third of the call at this size.
+        self._eigenvalues, self._eigenvectors, failed = dsyevd(precision.T, overwrite_a=1)
+        if failed:
+            raise SimulationError("the precision of the frames has no eigendecomposition")
+
+    def feedback(self) -> np.ndarray:
+        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
+        self._solve()
+        V, root = self._eigenvectors, np.sqrt(self._eigenvalues)
+        r = np.sqrt(self.effort)
+        # K_z M (q_hat - q) = K_z Lambda_z^-1 M^-1 g in the eigenbasis of Lambda_z.
+        pull = (V.T @ self._gradient) / (r * root)
+        brake = np.sqrt(2 * root / r) * (V.T @ (self.robot.mass @ self.robot.dq))
+        return V @ (pull - brake)
+
+    def impedance(self) -> Impedance:
+        """Stiffness, damping and reference of the last :meth:`feedback`."""
+        V, values, mass = self._eigenvectors, self._eigenvalues, self.robot.mass
+        step = V @ ((V.T @ self._gradient) / values)
+        gains = torque_optimal(values, V, mass, self.effort)
+        return Impedance(*gains, self.robot.q + np.linalg.solve(mass, step))
+
+
+def torque_optimal(eigenvalues, V, mass, effort) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffness K_z M and damping D_z M (n, n) of the optimum of :class:`MinimalIntervention`.
+
+    Parameters
+    ----------
+    eigenvalues, V : (n,), (n, n)
+        Of the precision ``Lambda_z = M^-1 Lambda M^-1``.
+    mass : (n, n)
+        M(q).
+    effort : float
+        Cost r of torque [1/(Nm)^2].
+    """
+    stiffness, right = np.sqrt(eigenvalues / effort), V.T @ mass
+    return (V * stiffness) @ right, (V * np.sqrt(2 * stiffness)) @ right
 
 
 class _Mixture:

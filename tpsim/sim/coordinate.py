@@ -7,7 +7,7 @@ world-aligned rotation vector [rad] from a reference orientation, and the Jacobi
 rotation vector, so it is exact far from the reference too.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,9 @@ DAMPING = 0.01
 """Singular value of a hand's Jacobian below which its nullspace grows [m/rad]."""
 
 Evaluation = tuple[np.ndarray, np.ndarray]
+
+Poses = tuple[np.ndarray, np.ndarray]
+"""Positions (T, 3) [m] and quaternions (T, 4)."""
 
 
 @dataclass(frozen=True)
@@ -37,11 +40,24 @@ class Coordinate:
         """Return a function that gives y (d,) and J (d, n) of the robot's last update."""
         raise TypeError("a coordinate is one of HandPose, RelativePose, Posture")
 
-    def observe(self, robot: Robot, q) -> Evaluation:
-        """Values (T, d) and Jacobians (T, d, n) along the postures q (T, n)."""
+    def observe(self, robot: Robot, q, objects: Mapping[str, Poses] | None = None) -> Evaluation:
+        """Values (T, d) and Jacobians (T, d, n) along a movement.
+
+        Parameters
+        ----------
+        robot : Robot
+            Its state is lost.
+        q : (T, n)
+            Postures [rad].
+        objects : mapping of str to (positions (T, 3), quaternions (T, 4)), optional
+            Where the robot sees objects meanwhile [m].
+        """
         evaluate = self.bind(robot)
         values, jacobians = [], []
-        for posture in np.ascontiguousarray(q):
+        for t, posture in enumerate(np.ascontiguousarray(q)):
+            for name, poses in (objects or {}).items():
+                for seen, pose in zip(robot.objects[name], poses, strict=True):
+                    seen[:] = pose[t]
             robot.update_kinematics(posture)
             y, J = evaluate()
             values.append(y.copy())
@@ -154,8 +170,10 @@ class Posture(Coordinate):
 class NullspacePosture(Coordinate):
     """Posture of one arm seen through the nullspace of its hand, Eq. (42): d = joints.
 
-    ``y = N q`` with ``N = I - J^+ J`` of the hand's pose: what the arm does with its redundancy,
-    the swivel of its elbow. It adds ``N W N`` in joint space and never competes with the hand.
+    ``y = N (q - origin)`` with ``N = I - J^+ J`` of the hand's pose: what the arm does with its
+    redundancy, the swivel of its elbow. It adds ``N W N`` in joint space and never competes with
+    the hand. Angles are counted from a neutral posture, where the turning of N itself, which the
+    Jacobian N leaves out, has no effect.
 
     Parameters
     ----------
@@ -163,10 +181,13 @@ class NullspacePosture(Coordinate):
         Joints of the arm.
     site : str
         Hand whose pose has priority.
+    origin : tuple of float
+        Neutral posture of the arm [rad].
     """
 
     joints: tuple[str, ...] = ()
     site: str = ""
+    origin: tuple[float, ...] = ()
 
     labels = Posture.labels
 
@@ -174,7 +195,7 @@ class NullspacePosture(Coordinate):
         """Return a function that gives y (d,) and J (d, n) of the robot's last update."""
         index = np.array([robot.joints.index(joint) for joint in self.joints])
         site = robot.site(self.site)
-        J = np.zeros((len(index), robot.n))
+        J, origin = np.zeros((len(index), robot.n)), np.array(self.origin)
 
         def evaluate():
             J_hand = robot.jacobian(site)[:, index]
@@ -182,6 +203,6 @@ class NullspacePosture(Coordinate):
             inverse = np.linalg.solve(J_hand @ J_hand.T + DAMPING**2 * np.eye(6), J_hand)
             N = np.eye(len(index)) - J_hand.T @ inverse
             J[:, index] = N
-            return N @ robot.q[index], J
+            return N @ (robot.q[index] - origin), J
 
         return evaluate

@@ -101,5 +101,5 @@ class BoundObject:
 
     def act(self, step: int) -> None:
         """Move the object to its pose at this time step."""
-        k = min(step, len(self._positions) - 1)
-        self._position[:], self._quaternion[:] = self._positions[k], self._quaternions[k]
+        if step < len(self._positions):
+            self._position[:], self._quaternion[:] = self._positions[step], self._quaternions[step]

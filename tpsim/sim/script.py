@@ -87,13 +87,10 @@ def script(rotations, positions, seconds, timestep, rng, variation=None) -> Path
     # omega = left Jacobian of the rotation vector times its rate.
     omega = np.linalg.solve(rotation.left_jacobian_inverse(pose[:, 3:]), velocity[:, 3:, None])
     fade = np.clip(10 * np.minimum(phase, 1 - phase), 0, 1)[:, None]
-    wander = _wander(rng, steps, timestep, variation.drift, variation.drift_time)
-    wander += _wander(rng, steps, timestep, variation.tremor, variation.tremor_time)
-    turning = _wander(rng, steps, timestep, variation.angular_drift, variation.drift_time)
-    turning += _wander(rng, steps, timestep, variation.angular_tremor, variation.tremor_time)
+    moved, turned = wandering(steps, timestep, rng, variation)
     return Path(
-        pose[:, :3] + fade * wander,
-        rotation.exp(fade * turning) @ rotation.exp(pose[:, 3:]) @ rotations[0],
+        pose[:, :3] + fade * moved,
+        rotation.exp(fade * turned) @ rotation.exp(pose[:, 3:]) @ rotations[0],
         velocity[:, :3],
         omega[..., 0],
     )
@@ -121,6 +118,15 @@ def _warped_phase(steps, seconds, warp):
     phase = t + warp * np.sin(2 * np.pi * t) / (2 * np.pi)
     rate = (1 + warp * np.cos(2 * np.pi * t)) / seconds
     return phase, rate
+
+
+def wandering(steps: int, timestep: float, rng, variation: Variation):
+    """How a hand strays from its intention: displacements (T, 3) [m] and turns (T, 3) [rad]."""
+    moved = _wander(rng, steps, timestep, variation.drift, variation.drift_time)
+    moved += _wander(rng, steps, timestep, variation.tremor, variation.tremor_time)
+    turned = _wander(rng, steps, timestep, variation.angular_drift, variation.drift_time)
+    turned += _wander(rng, steps, timestep, variation.angular_tremor, variation.tremor_time)
+    return moved, turned
 
 
 def _wander(rng, steps, timestep, deviation, time):

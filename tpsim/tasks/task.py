@@ -126,7 +126,7 @@ def demonstration(robot: Robot, trial: Trial, coordinates: Sequence[Coordinate],
     ----------
     robot : Robot
     trial : Trial
-        From kinesthetic teaching; ``q (T, n)`` is what counts.
+        From kinesthetic teaching; ``q (T, n)`` counts, and where the objects were.
     coordinates : sequence of Coordinate
         The P candidate frames.
     name : str
@@ -138,9 +138,12 @@ def demonstration(robot: Robot, trial: Trial, coordinates: Sequence[Coordinate],
         moving projections of Table 3 that map them back to joint space.
     """
     q = trial["q"]
+    objects = {
+        name: (trial[f"{name}_position"], trial[f"{name}_quaternion"]) for name in robot.objects
+    }
     observations, frames = [], []
     for coordinate in coordinates:
-        y, J = coordinate.observe(robot, q)
+        y, J = coordinate.observe(robot, q, objects)
         observations.append(y)
         frames.append(projection.absolute(J, q, y))
     return Demonstration(trial["time"], q, frames, observations, name)

@@ -1,0 +1,130 @@
+"""A movement retrieved in time from moving frames, by Gaussian mixture regression, as torque."""
+
+import numpy as np
+from scipy.linalg.lapack import dsyevd
+
+from tpsim.errors import ArgumentError, SimulationError
+from tpsim.gaussian import Gaussian, inverse_spd
+from tpsim.learning.gmm import GMM
+from tpsim.retrieval.gmr import Regression
+from tpsim.sim.controller import Behaviour, Controller, Impedance, torque_optimal
+from tpsim.sim.simulation import Simulation
+
+PERIOD = 0.01
+"""Time [s] between two adaptations of the mixture to the frames."""
+
+
+class TimedIntervention(Controller):
+    """GMR over time under minimal intervention (Eqs 5-6, 13-20 and Table 3).
+
+    The model's frames observe time and a coordinate, Eq. (20). At every period the components are
+    carried from all frames into joint space, around the present posture and the present objects,
+    and multiplied in information form; the mixture over (t, q) is conditioned on the time. What
+    comes out, a Gaussian of the posture, sets reference, stiffness and damping as in
+    :class:`~tpsim.sim.controller.MinimalIntervention`: they last for one period, while the torque
+    follows the robot's state at 1 kHz.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Gives the time and shows the objects.
+    behaviour : Behaviour
+        Its model's frames have time before the coordinate.
+    effort : float
+        Cost r of torque [1/(Nm)^2], against the log-likelihood of the movement.
+    until : float
+        Time [s] at which the movement was over; its end then lasts.
+    prior : Gaussian, optional
+        Joint posture (n,) for directions that no frame determines.
+    period : float
+        Time [s] between two adaptations.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        behaviour: Behaviour,
+        *,
+        effort: float,
+        until: float,
+        prior: Gaussian | None = None,
+        period: float = PERIOD,
+    ):
+        for name, value in (("effort", effort), ("until", until), ("period", period)):
+            if not value > 0:
+                raise ArgumentError(f"{name} is {value}; it must be positive")
+        robot = simulation.robot
+        super().__init__(robot)
+        self._simulation, self._effort, self._until = simulation, effort, until
+        self._every, self._calls = max(1, round(period / simulation.timestep)), 0
+        self._mixture = _Mixture(behaviour, robot.n)
+        self._evaluate = [coordinate.bind(robot) for coordinate in behaviour.coordinates]
+        self._prior = prior
+        self._now = Impedance(np.zeros((robot.n, robot.n)), np.zeros((robot.n, robot.n)), robot.q)
+
+    def _adapt(self):
+        robot = self.robot
+        time = min(self._simulation.time, self._until)
+        views = [evaluate() for evaluate in self._evaluate]
+        step = self._mixture.at(time, views, *self._beforehand())
+        # Lambda_z^-1 = M Sigma M has the eigenvectors of Lambda_z, and needs no inverse.
+        variances, V, failed = dsyevd((robot.mass @ step.covariance @ robot.mass).T, overwrite_a=1)
+        if failed or not variances[0] > 0:
+            raise SimulationError("the covariance of the movement has no eigendecomposition")
+        gains = torque_optimal(1 / variances, V, robot.mass, self._effort)
+        self._now = Impedance(*gains, robot.q + step.mean)
+
+    def _beforehand(self):
+        """Precision and information vector of the prior, from the present posture."""
+        if self._prior is None:
+            return 0.0, 0.0
+        precision = self._prior.precision
+        return precision, precision @ (self._prior.mean - self.robot.q)
+
+    def feedback(self) -> np.ndarray:
+        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
+        if self._calls % self._every == 0:
+            self._adapt()
+        self._calls += 1
+        now, robot = self._now, self.robot
+        return now.stiffness @ (now.reference - robot.q) - now.damping @ robot.dq
+
+    def impedance(self) -> Impedance:
+        """Stiffness, damping and reference of the last :meth:`feedback`."""
+        return self._now
+
+
+class _Mixture:
+    """A model over time and coordinates, laid out over stacked views, seen from joint space."""
+
+    def __init__(self, behaviour, n):
+        model = behaviour.model
+        sizes = np.array(model.dims)
+        ends = np.cumsum(sizes)
+        K, size = model.components, int(ends[-1])
+        self._priors = model.priors
+        self._times = ends - sizes
+        self._rows = [slice(e - s + 1, e) for s, e in zip(sizes, ends, strict=True)]
+        self._W = np.zeros((K, size, size))
+        self._mu = np.concatenate([frame.mean for frame in model.frames], axis=-1)
+        for frame, start, end in zip(model.frames, self._times, ends, strict=True):
+            self._W[:, start:end, start:end] = frame.precision
+        self._y = np.zeros(size)
+        self._J = np.zeros((size, 1 + n))
+        self._J[self._times, 0] = 1.0
+
+    def at(self, time, views, precision, information) -> Gaussian:
+        """Step (n,) from the present posture that the movement asks for at a time.
+
+        ``precision`` (n, n) and ``information`` (n,) of a prior join every component.
+        """
+        for (y, J), rows in zip(views, self._rows, strict=True):
+            self._y[rows], self._J[rows, 1:] = y, J
+        WJ = self._W @ self._J
+        product = self._J.T @ WJ
+        product[:, 1:, 1:] += precision
+        target = (self._mu - self._y)[:, None] @ WJ
+        target[:, 0, 1:] += information
+        covariance = inverse_spd(product, "sum of the frames' precisions")
+        gaussians = Gaussian.trusted((target @ covariance)[:, 0], covariance)
+        return Regression.of(GMM.trusted(self._priors, gaussians)).at(time)

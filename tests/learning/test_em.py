@@ -197,6 +197,34 @@ def test_start_in_time_reference():
     np.testing.assert_allclose(part.covariance * n / (n - 1), expected, atol=1e-10)
 
 
+def test_start_by_kmeans_reference():
+    """The reference counts every sample twice and divides by one less, then adds 1e-4 I."""
+    figures = FIGURES["tensor_init"]
+    one_hot = (figures["labels"][:, None] == np.arange(3)).astype(float)
+    samples = Samples(list(figures["data"]))
+    mixture = maximise(samples.moments(one_hot), None, FULL, [Ridge(0.0)])
+    n = one_hot.sum(0)[:, None, None]
+    part = mixture.components[0]
+    np.testing.assert_allclose(mixture.priors, figures["kmeans_priors"], rtol=1e-12)
+    np.testing.assert_allclose(part.mean, figures["kmeans_mean"], rtol=1e-10)
+    expected = figures["kmeans_covariance"] - 1e-4 * np.eye(3)
+    np.testing.assert_allclose(part.covariance * 2 * n / (2 * n - 1), expected, atol=1e-10)
+
+
+def test_start_in_bins_reference():
+    """The reference's bins share the sample at their border, and have no constant."""
+    figures = FIGURES["tensor_em"]
+    edges = np.array([1, 67, 134, 200]) - 1
+    step = np.arange(1000) % 200
+    shared = (step[:, None] >= edges[:-1]) & (step[:, None] <= edges[1:])
+    moments = Samples(list(figures["data_k"])).moments(shared.astype(float))
+    n = moments.weight[:, None, None]
+    np.testing.assert_allclose(n.ravel() / n.sum(), figures["init_k_priors"], rtol=1e-12)
+    np.testing.assert_allclose(moments.mean[0], figures["init_k_mean"], rtol=1e-9, atol=1e-9)
+    covariance = moments.scatter[0] * n / (n - 1)
+    np.testing.assert_allclose(covariance, figures["init_k_covariance"], rtol=1e-9, atol=1e-9)
+
+
 @st.composite
 def mixtures(draw):
     """Samples of a random mixture seen from random frames, a structure and a start."""

@@ -6,10 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from sklearn.mixture import GaussianMixture
 
 from tpsim import MFA, TPGMM, Demonstration, Frame, Gaussian, fit_gmm, fit_tp_gmm
-from tpsim.errors import ArgumentError
+from tpsim.bench.timing import one_core
+from tpsim.errors import ArgumentError, TpsimError
 from tpsim.examples import u_demonstrations, u_frames
 
 PRODUCT = np.load(Path(__file__).parents[1] / "reference" / "product.npz")
@@ -167,6 +170,45 @@ def test_frames_of_wrong_number_or_shape_are_refused(model):
         TPGMM([1.0], [])
 
 
+@settings(max_examples=300, deadline=None)
+@given(
+    seed=st.integers(0, 2**31),
+    D=st.integers(1, 4),
+    dims=st.lists(st.integers(1, 5), min_size=1, max_size=3),
+    steps=st.sampled_from([(), (3,)]),
+    kinds=st.lists(st.integers(0, 7), min_size=3, max_size=3),
+    ridge=st.sampled_from([None, 1e-4]),
+    weak=st.booleans(),
+)
+def test_hostile_frames_end_in_an_error_or_a_finite_mixture(
+    seed, D, dims, steps, kinds, ridge, weak
+):
+    rng = np.random.default_rng(seed)
+    model = random_model(rng, 2, dims)
+    frames = []
+    for d, kind in zip(dims, kinds, strict=False):
+        A = rng.normal(size=(*steps, D, d))
+        if kind == 0:
+            A[..., 0, :] = 0
+        elif kind == 1:
+            A *= 10.0 ** rng.uniform(-150, 150)
+        elif kind == 2:
+            A[..., :, 0] = A[..., :, -1]
+        elif kind == 3:
+            A *= 0
+        elif kind == 4:
+            A *= 10.0 ** rng.uniform(-9, 9, size=(D, 1))
+        frames.append(Frame(A, rng.normal(size=D)) if kind != 5 else None)
+    prior = Gaussian(np.zeros(D), 1e6 * np.eye(D)) if weak else None
+    try:
+        gaussians = model.adapt(frames, ridge=ridge, prior=prior).gaussians
+    except TpsimError:
+        return
+    assert np.isfinite(gaussians.mean).all()
+    assert np.isfinite(gaussians.covariance).all()
+    np.testing.assert_array_equal(gaussians.covariance, gaussians.covariance.mT)
+
+
 def test_demonstrations_and_their_views_give_the_same_model(demonstrations):
     views = [np.concatenate(v) for v in zip(*(d.observations for d in demonstrations), strict=True)]
     one = fit_tp_gmm(demonstrations, 3, start="time")
@@ -288,11 +330,12 @@ def movements(count):
 
 def least_seconds(run, repeat):
     def once():
-        start = time.perf_counter()
+        start = time.process_time()
         run()
-        return time.perf_counter() - start
+        return time.process_time() - start
 
-    return min(once() for _ in range(repeat))
+    with one_core():
+        return min(once() for _ in range(repeat))
 
 
 def seconds_per_iteration(fit, few, many, repeat=3):
@@ -315,18 +358,17 @@ def test_an_iteration_is_at_least_twice_as_fast_as_scikit_learns():
         )
         mixture.fit(stacked)
 
-    assert 2 * seconds_per_iteration(ours, 5, 45) < seconds_per_iteration(theirs, 2, 12)
+    assert 2 * seconds_per_iteration(ours, 5, 45) < seconds_per_iteration(theirs, 2, 42)
 
 
 def test_cost_is_linear_and_memory_small():
-    views = movements(200_000)
-    small = [view[::20] for view in views]
+    views, small = movements(200_000), movements(2000)
 
     def fit(data):
-        fit_tp_gmm(data, 5, start="time", tolerance=-np.inf, max_iterations=4)
+        fit_tp_gmm(data, 5, start="time", tolerance=-np.inf, max_iterations=6)
 
     fit(small)
-    assert least_seconds(lambda: fit(views), 2) < 20 * 1.3 * least_seconds(lambda: fit(small), 5)
+    assert least_seconds(lambda: fit(views), 2) < 100 * 1.3 * least_seconds(lambda: fit(small), 9)
     tracemalloc.start()
     fit(views)
     peak = tracemalloc.get_traced_memory()[1]

@@ -110,7 +110,7 @@ def _check_all_seen(inverses: Sequence[np.ndarray]) -> None:
     if unseen.any():
         step = tuple(int(i) for i in np.argwhere(unseen)[0])
         direction = directions[step][-1] / units[step][0]
-        direction = np.round(direction / np.linalg.norm(direction), 3)
+        direction = np.round(direction / np.linalg.norm(direction), 3) + 0.0  # no -0.0
         where = f" at step {step[0]}" if step else ""
         raise ArgumentError(
             f"no frame determines the direction {direction.tolist()}{where} of the common space; "

@@ -234,17 +234,18 @@ def _measured(stack: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
     A column whose spread is lost in the rounding of its size is made constant, with scale one.
     """
-    size = np.abs(stack).max(-1)
+    lowest, highest = stack.min(-1), stack.max(-1)
+    size = np.maximum(highest, -lowest)
     if size.max() > LARGEST:
         raise ArgumentError(
             f"samples reach {size.max():.1e}; change units to stay below {LARGEST:.0e}"
         )
     centre = stack.mean(-1)
-    deviation = stack - centre[..., None]
-    largest = np.abs(deviation).max(-1)
+    largest = np.maximum(highest - centre, centre - lowest)
     constant = largest <= np.maximum(RESOLUTION * size, 1 / LARGEST)
     if constant.any():
         stack = np.where(constant[..., None], centre[..., None], stack)
-    largest = np.where(constant, 1.0, largest)
-    scale = largest * np.sqrt(np.square(deviation / largest[..., None]).mean(-1))
+        largest = np.where(constant, 1.0, largest)
+    deviation = (stack - centre[..., None]) / largest[..., None]
+    scale = largest * np.sqrt(np.einsum("gdn,gdn->gd", deviation, deviation) / stack.shape[-1])
     return stack, centre, np.where(constant, 1.0, scale)

@@ -144,4 +144,3 @@ def figure(
             draw_frames(axis, frames)
             axis.set_axis_off() if axis is not axes[0] else axis.set(xticks=[], yticks=[])
     return drawing
-

@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from tpsim.errors import ArgumentError
 from tpsim.sim.robot import Robot
 
 DAMPING = 0.01
-"""Singular value of a hand's Jacobian below which its nullspace grows [m/rad]."""
+"""Singular value of a hand's Jacobian below which its nullspace is no longer told apart [m/rad]."""
 
 Evaluation = tuple[np.ndarray, np.ndarray]
 
@@ -167,18 +168,18 @@ class Posture(Coordinate):
 
 
 @dataclass(frozen=True)
-class NullspacePosture(Coordinate):
-    """Posture of one arm seen through the nullspace of its hand, Eq. (42): d = joints.
+class SelfMotion(Coordinate):
+    """Posture seen through the nullspace of its hand, Eq. (42), for one redundant joint: d = 1.
 
-    ``y = N (q - origin)`` with ``N = I - J^+ J`` of the hand's pose: what the arm does with its
-    redundancy, the swivel of its elbow. It adds ``N W N`` in joint space and never competes with
-    the hand. Angles are counted from a neutral posture, where the turning of N itself, which the
-    Jacobian N leaves out, has no effect.
+    ``N = I - J^+ J`` of the hand's pose is then ``n n^T``, and the frame is observed along n:
+    ``y = n^T (q - origin)`` [rad], what the arm does with its redundancy, the swivel of its elbow.
+    It adds ``n W n^T`` in joint space and never competes with the hand. Angles are counted from a
+    neutral posture, where the turning of n, which the Jacobian n^T leaves out, has no effect.
 
     Parameters
     ----------
     joints : tuple of str
-        Joints of the arm.
+        Joints of the arm: seven.
     site : str
         Hand whose pose has priority.
     origin : tuple of float
@@ -189,20 +190,28 @@ class NullspacePosture(Coordinate):
     site: str = ""
     origin: tuple[float, ...] = ()
 
-    labels = Posture.labels
+    labels = ("along the nullspace [rad]",)
 
     def bind(self, robot):
-        """Return a function that gives y (d,) and J (d, n) of the robot's last update."""
+        """Return a function that gives y (1,) and J (1, n) of the robot's last update."""
+        if len(self.joints) != 7:
+            raise ArgumentError(f"{len(self.joints)} joints given; an arm of 7 has one to spare")
         index = np.array([robot.joints.index(joint) for joint in self.joints])
-        site = robot.site(self.site)
-        J, origin = np.zeros((len(index), robot.n)), np.array(self.origin)
+        site, origin = robot.site(self.site), np.array(self.origin)
+        posture = np.zeros(robot.n)
+        posture[index] = origin
+        robot.update_kinematics(posture)
+        # Null vector at the neutral posture: it gives n its sign everywhere.
+        towards = np.linalg.svd(robot.jacobian(site)[:, index])[2][-1]
+        J, damping = np.zeros((1, robot.n)), DAMPING**2 * np.eye(6)
 
         def evaluate():
             J_hand = robot.jacobian(site)[:, index]
-            # N through the normal equations: an SVD at every step would cost ten times as much.
-            inverse = np.linalg.solve(J_hand @ J_hand.T + DAMPING**2 * np.eye(6), J_hand)
-            N = np.eye(len(index)) - J_hand.T @ inverse
-            J[:, index] = N
-            return N @ (robot.q[index] - origin), J
+            # n is what N leaves of it, by the normal equations: an SVD costs ten times as much.
+            inverse = np.linalg.solve(J_hand @ J_hand.T + damping, J_hand @ towards)
+            n = towards - J_hand.T @ inverse
+            n /= np.sqrt(n @ n)
+            J[0, index] = n
+            return np.array([n @ (robot.q[index] - origin)]), J
 
         return evaluate

@@ -48,7 +48,7 @@ def reach(
     tasks = []
     for site, (R, p) in targets.items():
         simulation.robot.site(site)
-        task = mink.FrameTask(site, "site", position_cost=1.0, orientation_cost=0.5, lm_damping=1e-4)
+        task = mink.FrameTask(site, "site", 1.0, orientation_cost=0.5, lm_damping=1e-4)
         task.set_target(mink.SE3.from_rotation_and_translation(mink.SO3.from_matrix(R), p))
         tasks.append(task)
     prefer = mink.PostureTask(model, cost=0.02)

@@ -11,6 +11,8 @@ _ROOMS = {
     "cup": "cup_and_sugar",
     "sugar": "cup_and_sugar",
     "cup-and-sugar": "cup_and_sugar",
+    "pointing": "pointing",
+    "pointing-baxter": "pointing",
 }
 
 
@@ -19,8 +21,13 @@ def names() -> tuple[str, ...]:
     return tuple(_ROOMS)
 
 
-def load(name: str):
-    """The :class:`tpsim.tasks.task.Task` called ``name``."""
+def room(name: str) -> str:
+    """Name of the module in which the task called ``name`` lives."""
     if name not in _ROOMS:
         raise ArgumentError(f"there is no task '{name}'; choose one of {', '.join(names())}")
-    return import_module(f"tpsim.tasks.{_ROOMS[name]}").task(name)
+    return _ROOMS[name]
+
+
+def load(name: str):
+    """The :class:`tpsim.tasks.task.Task` called ``name``."""
+    return import_module(f"tpsim.tasks.{room(name)}").task(name)

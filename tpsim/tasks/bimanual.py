@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tpsim import rotation
-from tpsim.sim.coordinate import HandPose, NullspacePosture, RelativePose
+from tpsim.sim.coordinate import HandPose, RelativePose, SelfMotion
 from tpsim.sim.hand import Guide, Hand
 from tpsim.sim.reach import reach
 from tpsim.sim.script import Variation, script
@@ -20,6 +20,12 @@ SITES = {
     "right_elbow": "right_elbow",
 }
 """Sites that recordings keep, by the name they have there."""
+
+LEADING = Hand(), Variation()
+"""A hand that leads an arm through the workspace."""
+
+WATCHING = Hand(5000.0, 200.0), Variation(drift=0.001, tremor=0.0004)
+"""A hand that keeps one object at its place by another, watching: firmer and finer."""
 
 Pose = tuple[np.ndarray, np.ndarray]
 """Rotation (3, 3) and position (3,) [m] in the world."""
@@ -96,12 +102,13 @@ class Hands:
     def coordinates(self) -> dict:
         """Candidate frames by name: hands in the robot's base, one from the other, postures."""
         cup, sugar, above = (tuple(R.ravel()) for R, _ in (self.cup, self.sugar, self.above))
+        home = self.simulation.home.tolist()
         frames = (
             HandPose("cup in base", "cup", cup),
             HandPose("sugar in base", "sugar", sugar),
             RelativePose("sugar from cup", "sugar", "cup", above),
-            NullspacePosture("left posture", self.left, "left_gripper"),
-            NullspacePosture("right posture", self.right, "right_gripper"),
+            SelfMotion("left posture", self.left, "left_gripper", tuple(home[:7])),
+            SelfMotion("right posture", self.right, "right_gripper", tuple(home[7:])),
         )
         return {frame.name: frame for frame in frames}
 
@@ -132,8 +139,9 @@ class Hands:
         rotations = np.asarray(rotations) @ R_grasp.T
         positions = np.asarray(positions) - rotations @ p_grasp
         timestep = self.simulation.timestep
-        path = script(rotations, positions, seconds, timestep, rng, Variation())
-        return Guide(f"{side}_guide", f"{side}_gripper", Hand(), path, relative_to)
+        hand, variation = LEADING if relative_to is None else WATCHING
+        path = script(rotations, positions, seconds, timestep, rng, variation)
+        return Guide(f"{side}_guide", f"{side}_gripper", hand, path, relative_to)
 
 
 def compose(first: Pose, second: Pose) -> Pose:

@@ -11,7 +11,8 @@ import numpy as np
 from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.sim import scene
-from tpsim.sim.controller import Behaviour, Controller, FixedImpedance, MinimalIntervention
+from tpsim.sim.controller import Behaviour, Controller, FixedImpedance
+from tpsim.sim.minimal_intervention import MinimalIntervention
 from tpsim.sim.rollout import rollout
 from tpsim.sim.simulation import Simulation
 from tpsim.sim.trial import Trial
@@ -20,9 +21,9 @@ from tpsim.tasks.bimanual import SITES, Hands
 from tpsim.tasks.task import Situation, Task
 
 EFFORT = 0.3
-"""Cost of torque [1/(Nm)^2]: the one number that sets how soft the robot is."""
+"""Cost of acceleration [s^4/(kg m^2)]: the one number that sets how soft the robot is."""
 
-FIXED = {"stiff": 400.0, "soft": 40.0}
+FIXED = {"stiff": 2000.0, "soft": 40.0}
 """Constant joint gains [1/s^2] of the controllers to compare with."""
 
 HOLD = 0.1

@@ -8,7 +8,7 @@ import numpy as np
 from tpsim.control import projection
 from tpsim.demonstration import Demonstration
 from tpsim.errors import SimulationError
-from tpsim.learning.tp_gmm import TPGMM
+from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.sim.coordinate import Coordinate
 from tpsim.sim.hand import Guide
 from tpsim.sim.push import Push
@@ -89,8 +89,20 @@ class Task:
         """Perform the task once."""
         raise NotImplementedError
 
-    def situation(self, simulation: Simulation, seed: int, index: int) -> Situation:
+    def learn(
+        self, simulation: Simulation, behaviour: str, trials: Sequence[Trial], components: int
+    ) -> TPGMM:
+        """Fit the TP-GMM of one behaviour to its demonstrations (Appendix A)."""
+        seen = [
+            demonstration(simulation.robot, trial, self.coordinates(simulation, behaviour))
+            for trial in trials
+        ]
+        return fit_tp_gmm(seen, components)
+
+    def situation(self, simulation: Simulation, seed: int, index: int, **kind) -> Situation:
         """Situation ``index`` of a seed: drawn until the robot can be put in it freely.
+
+        ``kind`` is handed to :meth:`draw`, where a task draws several kinds of situations.
 
         Raises
         ------
@@ -100,7 +112,7 @@ class Task:
         rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(1, index)))
         for _ in range(ATTEMPTS):
             try:
-                start, details = self.draw(simulation, rng)
+                start, details = self.draw(simulation, rng, **kind)
                 simulation.reset(start)
             except SimulationError:
                 continue

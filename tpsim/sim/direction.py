@@ -11,6 +11,7 @@ from math import atan2, hypot
 
 import numpy as np
 import pinocchio as pin
+from scipy.linalg.lapack import dposv
 
 from tpsim.sim.coordinate import Coordinate
 
@@ -115,7 +116,7 @@ class PostureBeneath(Coordinate):
     ----------
     joints : tuple of str
         Joints of the arm.
-    first : Coordinate
+    first : Direction or DirectionTo
         What has priority.
     origin : tuple of float
         Posture q_0 from which the joints' angles count [rad]: near it, y does not feel how N
@@ -123,7 +124,7 @@ class PostureBeneath(Coordinate):
     """
 
     joints: tuple[str, ...]
-    first: Coordinate
+    first: Direction | DirectionTo
     origin: tuple[float, ...]
 
     @property
@@ -135,13 +136,12 @@ class PostureBeneath(Coordinate):
         """Return a function that gives y (d,) and J (d, n) of the robot's last update."""
         index = np.array([robot.joints.index(joint) for joint in self.joints])
         first, origin = self.first.bind(robot), np.array(self.origin)
-        J = np.zeros((len(index), robot.n))
+        J, everything = np.zeros((len(index), robot.n)), np.eye(len(index))
+        damping = DAMPING**2 * np.eye(len(self.first.axes) - 1)
 
         def evaluate():
             J_first = first()[1][:, index]
-            gram = J_first @ J_first.T
-            gram[np.diag_indices(len(gram))] += DAMPING**2
-            N = np.eye(len(index)) - J_first.T @ np.linalg.solve(gram, J_first)
+            N = everything - J_first.T @ dposv(J_first @ J_first.T + damping, J_first)[1]
             J[:, index] = N
             return N @ (robot.q[index] - origin), J
 

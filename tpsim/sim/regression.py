@@ -1,16 +1,16 @@
 """A movement retrieved in time from moving frames, by Gaussian mixture regression, as torque."""
 
 import numpy as np
-from scipy.linalg.lapack import dsyevd
+from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.errors import ArgumentError, SimulationError
-from tpsim.gaussian import Gaussian, inverse_spd
+from tpsim.gaussian import Gaussian
 from tpsim.learning.gmm import GMM
 from tpsim.retrieval.gmr import Regression
-from tpsim.sim.controller import Behaviour, Controller, Impedance, torque_optimal
+from tpsim.sim.controller import Behaviour, Controller, Impedance
 from tpsim.sim.simulation import Simulation
 
-PERIOD = 0.01
+PERIOD = 0.02
 """Time [s] between two adaptations of the mixture to the frames."""
 
 
@@ -21,8 +21,8 @@ class TimedIntervention(Controller):
     carried from all frames into joint space, around the present posture and the present objects,
     and multiplied in information form; the mixture over (t, q) is conditioned on the time. What
     comes out, a Gaussian of the posture, sets reference, stiffness and damping as in
-    :class:`~tpsim.sim.controller.MinimalIntervention`: they last for one period, while the torque
-    follows the robot's state at 1 kHz.
+    :class:`~tpsim.sim.minimal_intervention.MinimalIntervention`: they last for one period, while
+    the torque follows the robot's state at 1 kHz.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class TimedIntervention(Controller):
     behaviour : Behaviour
         Its model's frames have time before the coordinate.
     effort : float
-        Cost r of torque [1/(Nm)^2], against the log-likelihood of the movement.
+        Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement.
     until : float
         Time [s] at which the movement was over; its end then lasts.
     prior : Gaussian, optional
@@ -67,12 +67,19 @@ class TimedIntervention(Controller):
         time = min(self._simulation.time, self._until)
         views = [evaluate() for evaluate in self._evaluate]
         step = self._mixture.at(time, views, *self._beforehand())
-        # Lambda_z^-1 = M Sigma M has the eigenvectors of Lambda_z, and needs no inverse.
-        variances, V, failed = dsyevd((robot.mass @ step.covariance @ robot.mass).T, overwrite_a=1)
+        L = dpotrf(robot.mass, lower=1)[0]
+        # L' Sigma L is the inverse of Lambda_z: the same eigenvectors, without an inverse.
+        variances, V, failed = dsyevd(L.T @ step.covariance @ L, overwrite_a=1)
         if failed or not variances[0] > 0:
             raise SimulationError("the covariance of the movement has no eigendecomposition")
-        gains = torque_optimal(1 / variances, V, robot.mass, self._effort)
-        self._now = Impedance(*gains, robot.q + step.mean)
+        modes, stiffness = L @ V, 1 / np.sqrt(self._effort * variances)
+        damping = np.sqrt(2 * stiffness)
+        # Far away the spring gives way, so that spring against damper asks for no wild speed.
+        speed = dtrtrs(L, V @ (stiffness / damping * (modes.T @ step.mean)), lower=1, trans=1)[0]
+        stiffness /= max(1.0, (np.abs(speed) / robot.velocity_limit).max())
+        self._now = Impedance(
+            (modes * stiffness) @ modes.T, (modes * damping) @ modes.T, robot.q + step.mean
+        )
 
     def _beforehand(self):
         """Precision and information vector of the prior, from the present posture."""
@@ -125,6 +132,6 @@ class _Mixture:
         product[:, 1:, 1:] += precision
         target = (self._mu - self._y)[:, None] @ WJ
         target[:, 0, 1:] += information
-        covariance = inverse_spd(product, "sum of the frames' precisions")
+        covariance = np.linalg.inv(product)
         gaussians = Gaussian.trusted((target @ covariance)[:, 0], covariance)
         return Regression.of(GMM.trusted(self._priors, gaussians)).at(time)

@@ -102,13 +102,16 @@ class _Log:
     def add(self, torque, controller, outside, saturated, contacts):
         robot = self._simulation.robot
         impedance = controller.impedance()
+        reference = impedance.reference
         row = {
             "time": self._simulation.time,
             "q": robot.q,
             "dq": robot.dq,
             "torque": torque,
             "torque_feedforward": controller.feedforward,
-            "reference": impedance.reference,
+            "reference": reference,
+            # What asks for more than the joints can do is out of reach.
+            "beyond_limits": (reference < robot.lower) | (reference > robot.upper),
             "stiffness": np.diagonal(impedance.stiffness),
             "damping": np.diagonal(impedance.damping),
             "saturated_steps": saturated,

@@ -3,7 +3,7 @@
 A GMM is a TP-GMM with one frame. All covariance structures share this loop.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -135,3 +135,31 @@ def em(
             break
     log_likelihood, _ = samples.expectation(mixture.priors, mixture.components)
     return mixture, np.array([*history, log_likelihood])
+
+
+def likeliest(
+    samples: Samples,
+    starts: Iterable[Mixture],
+    structure: Structure,
+    limits: Sequence[Regularisation],
+    tolerance: float,
+    max_iterations: int,
+) -> tuple[Mixture, np.ndarray]:
+    """Run EM from every start and keep the likeliest mixture, with its history.
+
+    Raises
+    ------
+    ArgumentError
+        A covariance became singular, which a floor prevents and a small ridge does not.
+    """
+    try:
+        with np.errstate(divide="raise", invalid="raise", over="raise"):
+            found = [
+                em(samples, start, structure, limits, tolerance, max_iterations) for start in starts
+            ]
+    except (np.linalg.LinAlgError, FloatingPointError) as error:
+        raise ArgumentError(
+            f"EM met a singular covariance ({error}); give a larger ridge, or None for the floor "
+            "that the data set"
+        ) from error
+    return max(found, key=lambda result: result[1][-1])

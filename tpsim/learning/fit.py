@@ -9,14 +9,13 @@ from numpy.typing import ArrayLike
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian, finite_array
-from tpsim.learning.em import Mixture, em, maximise, project, regularisation
-from tpsim.learning.start import kmeans, split_in_time, spread_centres, standardised, time_of
+from tpsim.learning.em import Mixture, likeliest, maximise, project, regularisation
+from tpsim.learning.start import clusters, split_in_time, time_of
 from tpsim.learning.statistics import Samples
 from tpsim.learning.subspace import Structure, structure_of
 
 Start = str | tuple[np.ndarray, Sequence[Gaussian]] | None
 """``"time"``, ``"kmeans"``, priors and Gaussians of a model, or None for the best of both."""
-
 
 Views = Sequence[Demonstration] | Sequence[ArrayLike]
 """Demonstrations, or what each of P frames saw, (N, d_j)."""
@@ -95,19 +94,10 @@ def fit(
     _check_samples(views, components)
     samples = Samples(views)
     limits = regularisation(samples, options.ridge)
-    try:
-        # What a small ridge leaves singular must end in a message, not in NaN.
-        with np.errstate(divide="raise", invalid="raise", over="raise"):
-            found = [
-                em(samples, start, structure, limits, options.tolerance, options.max_iterations)
-                for start in _starts(samples, views, lengths, components, options, limits)
-            ]
-    except (np.linalg.LinAlgError, FloatingPointError) as error:
-        raise ArgumentError(
-            f"EM met a singular covariance ({error}) with ridge = {options.ridge}; give a larger "
-            "ridge, or None for the floor that the data set"
-        ) from error
-    mixture, history = max(found, key=lambda result: result[1][-1])
+    starts = _starts(samples, views, lengths, components, options, limits)
+    mixture, history = likeliest(
+        samples, starts, structure, limits, options.tolerance, options.max_iterations
+    )
     frames = mixture.frames(samples)
     for frame in frames:
         _ = frame.precision  # computed once, remembered, and refused here if it means nothing
@@ -133,10 +123,9 @@ def _labellings(views, lengths, components, options) -> Iterator[np.ndarray]:
     if options.start != "kmeans":
         yield split_in_time(time_of(views, lengths, options.time), components)
     if options.start != "time":
-        points = standardised(views)
         rng = np.random.default_rng(0) if options.rng is None else options.rng
         for _ in range(1 + options.restarts):
-            yield kmeans(points, spread_centres(points, components, rng))[0]
+            yield clusters(views, components, rng)
 
 
 def _given(model, components: int, samples: Samples) -> Mixture:

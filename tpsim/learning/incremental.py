@@ -5,11 +5,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from tpsim.errors import ArgumentError
-from tpsim.learning.em import Mixture, em, maximise, project, regularisation
+from tpsim.learning.em import Mixture, likeliest, maximise, project, regularisation
 from tpsim.learning.fit import Views, views_of
 from tpsim.learning.moments import Memory
 from tpsim.learning.regularisation import Regularisation
-from tpsim.learning.start import kmeans, split_in_time, spread_centres, standardised, time_of
+from tpsim.learning.start import clusters, split_in_time, time_of
 from tpsim.learning.statistics import Components, Samples
 from tpsim.learning.tp_gmm import TPGMM
 
@@ -63,11 +63,10 @@ def update_tp_gmm(
     samples = Samples(views, model.memory.times(retention))
     memory = samples.remembered(time_of(views, lengths), lengths)
     limits = regularisation(samples, ridge)
-    found = [
-        em(samples, start, model.structure, limits, tolerance, max_iterations)
-        for start in _starts(model, samples, memory, limits)
-    ]
-    mixture, history = max(found, key=lambda result: result[1][-1])
+    starts = _starts(model, samples, memory, limits)
+    mixture, history = likeliest(
+        samples, starts, model.structure, limits, tolerance, max_iterations
+    )
     count = round(memory.moments.weight.sum())
     return TPGMM(mixture.priors, mixture.frames(samples), history, count, model.structure, memory)
 
@@ -95,8 +94,8 @@ def _starts(
 def _labellings(memory: Memory, components: int) -> Iterator[np.ndarray]:
     """Share the remembered runs out among the components, in time and by k-means."""
     yield split_in_time(memory.time, components)
-    points = standardised([mean for part in memory.moments.mean for mean in part])
-    yield kmeans(points, spread_centres(points, components, np.random.default_rng(0)))[0]
+    views = [mean for part in memory.moments.mean for mean in part]
+    yield clusters(views, components, np.random.default_rng(0))
 
 
 def _check(model: TPGMM, views: list[np.ndarray], retention: float) -> None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tpsim.learning.start import kmeans, spread_centres, standardised
+from tpsim.learning.start import clusters
 
 CAPACITY = 1024  # runs of samples that a model remembers
 
@@ -67,9 +67,8 @@ class Memory:
         """Pool neighbours until at most ``capacity`` runs are left."""
         if len(self.time) <= capacity:
             return self
-        points = standardised([mean for part in self.moments.mean for mean in part])
-        centres = spread_centres(points, capacity, np.random.default_rng(0))
-        labels = kmeans(points, centres, max_iterations=10)[0]
+        views = [mean for part in self.moments.mean for mean in part]
+        labels = clusters(views, capacity, np.random.default_rng(0), max_iterations=10)
         _, labels = np.unique(labels, return_inverse=True)
         weight = self.moments.weight
         time = np.bincount(labels, weight * self.time) / np.bincount(labels, weight)

@@ -56,6 +56,17 @@ def standardised(views: Sequence[np.ndarray]) -> np.ndarray:
     return deviation / np.where(scale > 0, scale, 1.0)
 
 
+def clusters(
+    views: Sequence[np.ndarray],
+    components: int,
+    rng: np.random.Generator,
+    max_iterations: int = 100,
+) -> np.ndarray:
+    """Labels (N,) of k-means on the standardised views of all frames, from k-means++ seeds."""
+    points = standardised(views)
+    return kmeans(points, spread_centres(points, components, rng), max_iterations)[0]
+
+
 def kmeans(
     points: np.ndarray, centres: np.ndarray, max_iterations: int = 100
 ) -> tuple[np.ndarray, np.ndarray]:

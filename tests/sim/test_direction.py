@@ -90,6 +90,18 @@ def test_jacobians_stay_bounded_at_the_object_and_behind(arm):
     np.testing.assert_allclose(np.linalg.norm(y), np.pi, atol=1e-6)
 
 
+def test_directions_fade_smoothly_close_to_the_object(arm):
+    robot, coordinates = arm
+    q, to = np.full(robot.n, 0.3), coordinates["to"]
+    robot.update_kinematics(q)
+    p = robot.placement(robot.site(to.site))[1].copy()
+    for offset in ((0.03, 0.04, 0.02), (-0.05, 0.01, 0.03)):
+        robot.objects["first"][0][:] = p + offset
+        _, J = value(robot, to, q)
+        numeric = numeric_jacobian(lambda x: value(robot, to, x)[0].copy(), q)
+        np.testing.assert_allclose(J, numeric, atol=1e-5)
+
+
 def test_observation_sees_objects_where_they_were(arm):
     robot, coordinates = arm
     q = np.tile(np.full(robot.n, 0.2), (3, 1))

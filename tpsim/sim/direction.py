@@ -16,7 +16,7 @@ from scipy.linalg.lapack import dposv
 from tpsim.sim.coordinate import Coordinate
 
 NEAR = 0.1
-"""Distance [m] to an object below which its direction turns no faster."""
+"""Distance [m] to an object below which its direction fades."""
 
 BEHIND = 0.2
 """Sine of the angle to the opposite direction below which sideways turning counts no more."""
@@ -151,8 +151,9 @@ class PostureBeneath(Coordinate):
 def _angles(v):
     """Angles (d,) of a vector v (d + 1,) from its first axis, and their derivative (d, d + 1).
 
-    The derivative is bounded: close to zero length, and close to the opposite direction where the
-    logarithm is singular, it stops growing. In plain numbers, since arrays so small cost more.
+    Both are bounded: close to the opposite direction, where the logarithm is singular, sideways
+    turning counts no more; a vector shorter than NEAR has the angles of one that long, scaled down
+    in proportion, since its direction means little. In plain numbers: arrays so small cost more.
     """
     ahead, *across = v.tolist()
     wide = hypot(*across)
@@ -163,12 +164,16 @@ def _angles(v):
     angle = atan2(sine, cosine)
     stretch = angle / max(sine, BEHIND) if cosine < 0 else angle / sine if sine else 1.0
     grow = max(length, NEAR)
+    fade = angle if length < NEAR else 0.0
     derivative = [
-        [-sine * h / grow]
-        + [((cosine - stretch) * h * g + stretch * (i == k)) / grow for k, g in enumerate(heading)]
+        [(fade * cosine - sine) * h / grow]
+        + [
+            ((cosine - stretch + fade * sine) * h * g + stretch * (i == k)) / grow
+            for k, g in enumerate(heading)
+        ]
         for i, h in enumerate(heading)
     ]
-    return np.array([angle * h for h in heading]), np.array(derivative)
+    return np.array([length / grow * angle * h for h in heading]), np.array(derivative)
 
 
 def _labels(axes):

@@ -16,7 +16,7 @@ from tpsim.sim.push import Push
 from tpsim.sim.trial import Trial
 from tpsim.sim.video import Arrow, Clip
 from tpsim.tasks.pointers import OBJECTS, Pointer
-from tpsim.tasks.pointing import APPROACH, PHASES
+from tpsim.tasks.pointing import APPROACH, HURRY, PHASES
 from tpsim.tasks.task import Situation
 
 PUSH = 10.0
@@ -55,9 +55,12 @@ def phase_angle(trial: Trial, pointer: Pointer, name: str) -> float:
 
 
 def recovery(trial: Trial, pointer: Pointer, name: str, jump: float) -> float:
-    """Time [s] from a jump of an object until the angle stays small for the rest of its phase."""
+    """Time [s] from a jump of an object until the angle stays small.
+
+    It must stay so as long as nothing in the teacher's timing says to leave.
+    """
     time = trial["time"]
-    after = (time >= jump) & (time < PHASES[name][1])
+    after = (time >= jump) & (time < PHASES[name][1] - 3 * HURRY)
     wide = np.flatnonzero(angle(trial, pointer, name)[after] > RECOVERED)
     if wide.size == 0:
         return 0.0

@@ -76,6 +76,18 @@ def left_jacobian_inverse(w):
     return np.eye(3) - S / 2 + c * (S @ S)
 
 
+def left_jacobian(w):
+    """Map from the rate of ``log(R)`` to world angular velocity: (..., 3) -> (..., 3, 3)."""
+    w = np.asarray(w, float)
+    angle = np.linalg.norm(w, axis=-1)[..., None, None]
+    S = skew(w)
+    small = angle < 1e-4
+    safe = np.where(small, 1.0, angle)
+    first = np.where(small, 0.5 - angle**2 / 24, (1 - np.cos(safe)) / safe**2)
+    second = np.where(small, 1 / 6 - angle**2 / 120, (safe - np.sin(safe)) / safe**3)
+    return np.eye(3) + first * S + second * (S @ S)
+
+
 def tilt(R, axis=(0.0, 0.0, 1.0)):
     """Angle (...,) [rad] between the body's own ``axis`` carried by R (..., 3, 3) and the world's.
 

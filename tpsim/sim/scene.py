@@ -49,8 +49,8 @@ def cup_and_sugar() -> str:
     return text(spec)
 
 
-def baxter(objects: Mapping[str, str] | None = None) -> str:
-    """Return Baxter at its table with empty hands, and objects that can be moved.
+def baxter(objects: Mapping[str, str] | None = None, held: str | None = None) -> str:
+    """Return Baxter at its table, and objects that can be moved.
 
     Parameters
     ----------
@@ -59,6 +59,9 @@ def baxter(objects: Mapping[str, str] | None = None) -> str:
         ``"marker"`` (a puck). They are mocap bodies, moved by ``data.mocap_pos`` and
         ``data.mocap_quat``, and touch nothing. They start on an arc before the robot. The
         keyframe ``home`` is ``READY``.
+    held : str, optional
+        Model of what is between the fingers of the left gripper, such as ``"sugar"``; they are
+        empty by default.
 
     Returns
     -------
@@ -70,6 +73,8 @@ def baxter(objects: Mapping[str, str] | None = None) -> str:
         angle = np.pi / 6 * (i - (len(objects) - 1) / 2)
         spot = (0.75 * np.cos(angle), -0.75 * np.sin(angle), 0.0)
         place(spec, model, name, spot, PAINTS[i % len(PAINTS)])
+    if held is not None:
+        hold(spec, held, "left_gripper", position=(0, 0, 0.006))
     spec.add_key(name="home", qpos=READY)
     return text(spec)
 

@@ -1,0 +1,90 @@
+"""Poses tracked over a finite horizon, as several objects see them (TP-LQT, Eq. 38)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tpsim.control.feedback import Feedback
+from tpsim.control.lqt import lqt
+from tpsim.control.system import LinearSystem
+from tpsim.errors import ArgumentError
+from tpsim.pose import Pose, object_frame
+
+ROUNDS, STILL = 4, 1e-4
+"""Gauss-Newton steps to the product of the frames; it ends when steps [m], [rad] are smaller."""
+
+
+@dataclass(frozen=True, eq=False)
+class SeenMovement:
+    """A movement of poses as one object sees it.
+
+    Parameters
+    ----------
+    mean, precision : (T, 6), (T, 6, 6)
+        In coordinates of the object, :func:`tpsim.pose.coordinates`.
+    reference : (3, 3)
+        Rotation, as seen from the object, whose vector is zero.
+    """
+
+    mean: np.ndarray
+    precision: np.ndarray
+    reference: np.ndarray
+
+    def __len__(self):
+        return len(self.mean)
+
+    def from_step(self, first: int) -> "SeenMovement":
+        """The rest of the movement."""
+        return SeenMovement(self.mean[first:], self.precision[first:], self.reference)
+
+    def placed(self, pose: Pose, common_reference, near) -> tuple[np.ndarray, np.ndarray]:
+        """Mean (T, 6) and precision (T, 6, 6) in common coordinates, Eq. (4), affine about near."""
+        frame = object_frame(pose, self.reference, common_reference, near)
+        precision = frame.inverse.mT @ self.precision @ frame.inverse
+        return frame.to_common(self.mean), 0.5 * (precision + precision.mT)
+
+
+def fuse_poses(
+    movements: Sequence[SeenMovement], objects: Sequence[Pose], common_reference, near=None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Means (P, T, 6) and precisions (P, T, 6, 6) in common coordinates, and their product (T, 6).
+
+    Orientation makes the frames affine only about a pose (:mod:`tpsim.pose`): they are taken about
+    the mean of their own product, Eqs (5)-(6), found by Gauss-Newton from ``near (T, 6)``.
+    """
+    if not movements or len(movements) != len(objects) or len({len(m) for m in movements}) > 1:
+        raise ArgumentError(
+            f"{len(movements)} movements are seen from {len(objects)} objects; give one for each, "
+            "all of the same length"
+        )
+    fused = np.zeros((len(movements[0]), 6)) if near is None else near
+    for _ in range(ROUNDS):
+        placed = [
+            m.placed(o, common_reference, fused) for m, o in zip(movements, objects, strict=True)
+        ]
+        means, precisions = (np.array(part) for part in zip(*placed, strict=True))
+        information = (precisions @ means[..., None]).sum(0)
+        before, fused = fused, np.linalg.solve(precisions.sum(0), information)[..., 0]
+        if np.abs(fused - before).max() < STILL:
+            break
+    return means, precisions, fused
+
+
+def track_poses(means, precisions, system: LinearSystem, effort: ArrayLike) -> Feedback:
+    """Finite-horizon tracking (Eq. 38) of poses seen in P frames, by a double integrator.
+
+    Parameters
+    ----------
+    means, precisions : (P, T, 6), (P, T, 6, 6)
+        Of :func:`fuse_poses`. Velocities are free.
+    system : LinearSystem
+        Double integrator of six dimensions.
+    effort : float or (6, 6)
+        Cost of acceleration.
+    """
+    P, T, d = means.shape
+    states, weights = np.zeros((P, T, 2 * d)), np.zeros((P, T, 2 * d, 2 * d))
+    states[..., :d], weights[..., :d, :d] = means, precisions
+    return lqt(states, weights, system, effort)

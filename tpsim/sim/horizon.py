@@ -1,0 +1,174 @@
+"""Torque control of a hand by the finite-horizon LQT, re-planned when objects move."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.linalg.lapack import dposv
+
+from tpsim import rotation
+from tpsim.control.impedance import impedance
+from tpsim.control.poses import SeenMovement, fuse_poses, track_poses
+from tpsim.control.system import integrator
+from tpsim.errors import ArgumentError
+from tpsim.gaussian import Gaussian
+from tpsim.sim.controller import Controller, FixedImpedance, Impedance
+from tpsim.sim.coordinate import HandPose
+from tpsim.sim.simulation import Simulation
+
+LOOK = 0.1
+"""Time [s] between two looks at the objects; a plan is made where one has moved."""
+
+MOVED = 1e-5
+"""Change of an object's position [m] or quaternion that counts as motion."""
+
+TAIL = 1.0
+"""Time [s] for which a plan goes on beyond the movement's end, which then lasts."""
+
+MOST = 20.0, 100.0
+"""Acceleration [m/s^2], [rad/s^2] that the hand does not exceed, as after a jump of an object."""
+
+_LEAST = np.repeat(MOST, 3) ** -2.0
+
+SINGULAR = 5e-3
+"""Mobility [1/kg], [1/(kg m^2)] below which the arm counts as unable to move its hand."""
+
+INERTIA_STEPS = 4
+"""Time steps for which the inertia that the hand feels is kept: it changes slowly."""
+
+HOLD = 400.0
+"""Stiffness [1/s^2] of the joints that do not belong to the arm."""
+
+
+class FiniteHorizon(Controller):
+    """A hand carried along a movement that objects see, by finite-horizon LQT (Eqs 34-38).
+
+    The hand's pose y, six coordinates in a chart about its last orientation, is a double
+    integrator ``ddy = u`` with ``u_t = k_t - K_t [y, dy]``: stiffness and damping change over time
+    with the precision of the movement. Through the arm's inertia this is torque,
+    ``tau = J^T (J M^-1 J^T)^-1 u``; what is left of the arm follows the taught posture in the
+    hand's nullspace (Eq. 42) by the infinite-horizon optimum.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Gives the time and shows the objects.
+    objects : sequence of str
+        The objects that see the movement; the chart is the last one's.
+    movements : sequence of SeenMovement
+        One for each, sampled at ``dt``; the end lasts.
+    posture : Gaussian (T, n)
+        Of the arm's joints [rad].
+    joints : tuple of str
+        The arm; all other joints hold still.
+    site : str
+        The hand.
+    dt : float
+        Time step of the plan [s].
+    effort : (float, float, float)
+        Cost of the hand's acceleration [1/(m/s^2)^2], of its turning [1/(rad/s^2)^2], and of the
+        joints' [1/(rad/s^2)^2] in the nullspace.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        objects: Sequence[str],
+        movements: Sequence[SeenMovement],
+        posture: Gaussian,
+        *,
+        joints: Sequence[str],
+        site: str,
+        dt: float,
+        effort: tuple[float, float, float],
+    ):
+        robot = simulation.robot
+        super().__init__(robot)
+        self._simulation, self._site, self._movements = simulation, site, movements
+        self._objects = [simulation.objects[name] for name in objects]
+        first = robot.joints.index(joints[0])
+        self._arm = slice(first, first + len(joints))
+        if robot.joints[self._arm] != tuple(joints):
+            raise ArgumentError(f"joints {joints} do not follow each other on the robot")
+        self._system, self._dt = integrator(6, dt, exact=True), dt
+        self._effort = np.diag(np.repeat(effort[:2], 3))
+        self._steps, self._tail = len(movements[0]), round(TAIL / dt)
+        self._posture = posture.mean
+        self._swivel, self._brake = impedance(posture.precision, effort[2])
+        self._hold, self._seen, self._next_look, self._calls = None, None, 0.0, 0
+        self._state = np.ones(13)
+
+    def feedback(self) -> np.ndarray:
+        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
+        robot, arm = self.robot, self._arm
+        if self._hold is None:
+            self._hold = FixedImpedance(robot, robot.q, HOLD)
+        if self._simulation.time >= self._next_look:
+            self._look()
+        self._observe()
+        torque = self._hold.feedback()
+        torque[arm] = self._torque(robot.dq[arm])
+        return torque
+
+    def _look(self):
+        """Plan, if there is none or an object has moved since."""
+        time = self._simulation.time
+        self._next_look = time + LOOK - 1e-9
+        seen = np.concatenate([part for pose in self._objects for part in pose])
+        if self._seen is None or np.abs(seen - self._seen).max() > MOVED:
+            self._seen = seen
+            self._plan(min(round(time / self._dt), self._steps - 1))
+
+    def _plan(self, first):
+        """Make the law from a step of the movement to its end."""
+        poses = [(rotation.from_quaternion(turned), p.copy()) for p, turned in self._objects]
+        rest = [movement.from_step(first) for movement in self._movements]
+        reference = poses[-1][0] @ rest[-1].reference
+        means, precisions, _ = fuse_poses(rest, poses, reference)
+        # The last law is that of a long horizon, since it is kept for ever.
+        means, precisions = (
+            np.concatenate([part, np.repeat(part[:, -1:], self._tail, axis=1)], axis=1)
+            for part in (means, precisions)
+        )
+        feedback = track_poses(means, precisions, self._system, self._effort)
+        law = np.dstack([-feedback.gain, feedback.feedforward])[: len(rest[0]) + 1]
+        self._first, self._law, self._slope = first, law, np.diff(law, axis=0)
+        self._evaluate = HandPose("hand", self._site, tuple(reference.ravel())).bind(self.robot)
+
+    def _observe(self):
+        """Find the law of this moment, linear between two steps, and the state of the hand."""
+        since = self._simulation.time / self._dt - self._first
+        k = min(max(int(since), 0), len(self._slope) - 1)
+        self._now = self._law[k] + min(max(since - k, 0.0), 1.0) * self._slope[k]
+        self._step = min(k + self._first, self._steps - 1)
+        self._state[:6], J = self._evaluate()
+        self._J = J[:, self._arm]
+        if self._calls % INERTIA_STEPS == 0:
+            mobility = self._J @ dposv(self.robot.mass[self._arm, self._arm], self._J.T)[1]
+            self._inertia = np.linalg.inv(mobility + SINGULAR * np.eye(6))
+        self._calls += 1
+
+    def _torque(self, dq):
+        """Torque (m,) of the arm at the joint velocities dq (m,)."""
+        robot, arm, J, k, state = self.robot, self._arm, self._J, self._step, self._state
+        state[6:12] = J @ dq
+        u = self._now @ state
+        excess = u * u @ _LEAST
+        if excess > 1:
+            u /= excess**0.5
+        swivel = self._swivel[k] @ (self._posture[k] - robot.q[arm]) - self._brake[k] @ dq
+        # The hand's force makes up for what swivelling does to the hand.
+        return robot.mass[arm, arm] @ swivel + J.T @ (self._inertia @ (u - J @ swivel))
+
+    def impedance(self) -> Impedance:
+        """Stiffness, damping and reference of the last :meth:`feedback`."""
+        arm, J, k = self._arm, self._J, self._step
+        held = self._hold.impedance()
+        stiffness, damping, reference = held.stiffness, held.damping, held.reference.copy()
+        M = self.robot.mass[arm, arm]
+        force = J.T @ self._inertia
+        null = M - force @ J
+        stiffness[arm, arm] = null @ self._swivel[k] - force @ self._now[:, :6] @ J
+        damping[arm, arm] = null @ self._brake[k] - force @ self._now[:, 6:12] @ J
+        pull = self._torque(np.zeros(len(M)))
+        reference[arm] = self.robot.q[arm] + np.linalg.solve(stiffness[arm, arm], pull)
+        return Impedance(stiffness, damping, reference)

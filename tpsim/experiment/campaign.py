@@ -20,7 +20,7 @@ from tpsim.errors import RecordingError, RenderingError
 from tpsim.experiment.conditions import Condition, perform
 from tpsim.experiment.metrics import Measure
 from tpsim.experiment.recording import Run, load_run, load_trial, open_run, run_folder
-from tpsim.experiment.report import write_report
+from tpsim.experiment.report import Section, write_report
 from tpsim.experiment.studies import study as study_of
 from tpsim.experiment.whole import whole_path
 from tpsim.learning.tp_gmm import TPGMM
@@ -30,9 +30,6 @@ from tpsim.sim.teach import teach as teach_lessons
 from tpsim.sim.trial import Trial
 from tpsim.sim.video import film as write_film
 from tpsim.tasks.task import Task
-
-DEMONSTRATIONS = 6
-"""Demonstrations of each behaviour that a whole run teaches."""
 
 Taught = dict[str, list[Trial]]
 """Demonstrations by behaviour."""
@@ -112,7 +109,8 @@ def _taught(task: Task, folder: Path | None = None) -> Taught:
     return taught
 
 
-def _learn(task: Task, taught: Taught, components: int = 1) -> dict[str, TPGMM]:
+def _learn(task: Task, taught: Taught, components: int | None = None) -> dict[str, TPGMM]:
+    components = task.components if components is None else components
     simulation = task.simulation()
     return {
         behaviour: task.learn(simulation, behaviour, trials, components)
@@ -120,7 +118,7 @@ def _learn(task: Task, taught: Taught, components: int = 1) -> dict[str, TPGMM]:
     }
 
 
-def learn(task: str, *, components: int, folder: Path | None = None) -> dict:
+def learn(task: str, *, components: int | None, folder: Path | None = None) -> dict:
     """Learn every behaviour of a task from its recorded demonstrations, and say what was learned.
 
     ``folder`` is where the models are written, ``recordings/models/<task>/`` by default.
@@ -132,7 +130,7 @@ def learn(task: str, *, components: int, folder: Path | None = None) -> dict:
     files = _save_models(_made(target), models)
     return {
         "task": task,
-        "components": components,
+        "components": next(iter(models.values())).components,
         "demonstrations": {name: len(trials) for name, trials in taught.items()},
         "log_likelihood": {name: float(model.history[-1]) for name, model in models.items()},
         "deviations": {name: _deviations(found, name, model) for name, model in models.items()},
@@ -156,6 +154,22 @@ def _deviations(task: Task, behaviour: str, model: TPGMM) -> dict:
         }
         for coordinate, gaussian in zip(coordinates, model.frames, strict=True)
     }
+
+
+def _learned(task: Task, models: Mapping[str, TPGMM]) -> Section:
+    """Table of the report: what the teacher cared about, and what not."""
+    rows = [
+        {"behaviour": name, "frame": frame, "dimension": label, "deviation": deviation}
+        for name, model in models.items()
+        for frame, dimensions in _deviations(task, name, model).items()
+        for label, deviation in dimensions.items()
+    ]
+    text = (
+        "Standard deviation of the demonstrations along every dimension of every candidate "
+        "frame. Nothing was set by hand: where the teacher was precise the number is small, and "
+        "there the robot is stiff."
+    )
+    return Section("What was learned", text, table=rows)
 
 
 def _save_models(folder: Path, models: Mapping[str, TPGMM]) -> list[str]:
@@ -251,9 +265,10 @@ def run(
     began = time.monotonic()
     found, study = tasks.load(task), study_of(task)
     command = f"tpsim run {task} --situations {situations} --pushes {pushes} --seed {seed}"
-    configuration = {"situations": situations, "pushes": pushes, "demonstrations": DEMONSTRATIONS}
+    count = found.demonstrations
+    configuration = {"situations": situations, "pushes": pushes, "demonstrations": count}
     run, simulation = _open(found, command, configuration, seed, folder)
-    _say(f"teaching {', '.join(found.behaviours)}: {DEMONSTRATIONS} demonstrations each")
+    _say(f"teaching {', '.join(found.behaviours)}: {count} demonstrations each")
     taught = _teach_all(run, found, seed, workers)
     models = _learn(found, taught)
     _save_models(run.folder, models)
@@ -268,7 +283,8 @@ def run(
     film, hint = None, "No film was asked for."
     if video:
         film, hint = _film(run, study, simulation, models, records, taught)
-    report = _report(run, study, command, measures, study.sections(records, models), film, hint)
+    sections = [*study.sections(records, models), _learned(found, models)]
+    report = _report(run, study, command, measures, sections, film, hint)
     return {
         "task": task,
         "seed": seed,
@@ -290,7 +306,8 @@ def _say(message: str) -> None:
 
 def _teach_all(run: Run, task: Task, seed, workers) -> Taught:
     """Teach the behaviours side by side, and keep the demonstrations in the run folder."""
-    jobs = [(task.name, behaviour, DEMONSTRATIONS, seed) for behaviour in task.behaviours]
+    count = task.demonstrations
+    jobs = [(task.name, behaviour, count, seed) for behaviour in task.behaviours]
     if workers == 1 or len(jobs) == 1:
         results = [_teach(*job) for job in jobs]
     else:
@@ -298,9 +315,9 @@ def _teach_all(run: Run, task: Task, seed, workers) -> Taught:
             results = list(pool.map(_teach, *zip(*jobs, strict=True)))
     taught = dict(zip(task.behaviours, results, strict=True))
     for behaviour, trials in taught.items():
-        command = f"tpsim teach {behaviour} --count {DEMONSTRATIONS} --seed {seed}"
+        command = f"tpsim teach {behaviour} --count {count} --seed {seed}"
         target = run.folder / "demonstrations" / behaviour
-        _write_demonstrations(target, task, command, DEMONSTRATIONS, seed, trials)
+        _write_demonstrations(target, task, command, count, seed, trials)
     return taught
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from tpsim.errors import ArgumentError
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.sim.coordinate import Coordinate
-from tpsim.sim.guard import guard
+from tpsim.sim.guard import Guard
 from tpsim.sim.robot import Robot
 
 
@@ -61,7 +61,7 @@ class Controller:
     """
 
     def __init__(self, robot: Robot):
-        self.robot = robot
+        self.robot, self._guard = robot, Guard(robot)
         self.feedforward = np.zeros(robot.n)
 
     def feedback(self) -> np.ndarray:
@@ -79,7 +79,7 @@ class Controller:
         """
         robot = self.robot
         self.feedforward = robot.bias + robot.passive_damping * robot.dq
-        return self.feedback() + guard(robot) + self.feedforward
+        return self.feedback() + self._guard.torque() + self.feedforward
 
 
 def torque_optimal(eigenvalues, V, mass, effort) -> tuple[np.ndarray, np.ndarray]:

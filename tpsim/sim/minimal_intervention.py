@@ -35,6 +35,9 @@ class MinimalIntervention(Controller):
         Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement.
     prior : Gaussian, optional
         Joint posture (n,) for directions that no frame determines.
+    every : int
+        Control steps for which stiffness, damping and reference last; the torque follows the
+        robot's state at every step.
     """
 
     def __init__(
@@ -44,6 +47,7 @@ class MinimalIntervention(Controller):
         *,
         effort: float = 0.2,
         prior: Gaussian | None = None,
+        every: int = 4,
     ):
         if not behaviours:
             raise ArgumentError("no behaviour was given; give at least one")
@@ -72,7 +76,7 @@ class MinimalIntervention(Controller):
             self._fixed = tuple(sum(terms) for terms in zip(*self._information(), strict=True))
         else:
             self._fixed = None
-        self._checked = False
+        self._checked, self._calls, self._every = False, 0, every
 
     def _check_determined(self):
         self._checked = True
@@ -113,19 +117,24 @@ class MinimalIntervention(Controller):
 
     def feedback(self) -> np.ndarray:
         """Torque (n,) [Nm] against error and velocity at the robot's last update."""
-        self._solve()
-        stiffness = np.sqrt(self._eigenvalues / self.effort)
-        velocity = self._modes.T @ self.robot.dq
-        return self._modes @ (stiffness * self._way - np.sqrt(2 * stiffness) * velocity)
+        if self._calls % self._every == 0:
+            self._solve()
+            self._now = self._optimum()
+        self._calls += 1
+        now, robot = self._now, self.robot
+        return now.stiffness @ (now.reference - robot.q) - now.damping @ robot.dq
 
-    def impedance(self) -> Impedance:
-        """Stiffness, damping and reference of the last :meth:`feedback`."""
+    def _optimum(self) -> Impedance:
         modes, stiffness = self._modes, np.sqrt(self._eigenvalues / self.effort)
         return Impedance(
             (modes * stiffness) @ modes.T,
             (modes * np.sqrt(2 * stiffness)) @ modes.T,
             self.robot.q + dtrtrs(self._L, self._V @ self._way, lower=1, trans=1)[0],
         )
+
+    def impedance(self) -> Impedance:
+        """Stiffness, damping and reference of the last :meth:`feedback`."""
+        return self._now
 
 
 class _Mixture:

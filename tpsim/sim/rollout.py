@@ -80,10 +80,11 @@ def rollout(
         for person in outside:
             person.act(step)
         if step % stride == 0:
-            log.add(torque, controller, outside, saturated, contacts)
-            if not np.abs(robot.dq).max() < DIVERGED_SPEED:
+            # MuJoCo starts over where the state is lost: its clock then disagrees with ours.
+            if not np.abs(robot.dq).max() < DIVERGED_SPEED or simulation.time < (step - 1) * h:
                 outcome = "diverged"
                 break
+            log.add(torque, controller, outside, saturated, contacts)
         simulation.step(torque)
         contacts += simulation.data.ncon > 0
     if contacts and outcome == "done":
@@ -120,8 +121,10 @@ class _Log:
             "push_point": np.zeros(3),
         }
         for person in outside:
-            row[f"{person.name}_wrench"] = person.wrench
-            row[f"{person.name}_point"] = person.point
+            wrench, point = f"{person.name}_wrench", f"{person.name}_point"
+            if person.wrench.any() or wrench not in row:
+                row[point] = person.point
+            row[wrench] = row.get(wrench, 0.0) + person.wrench
         for name, site in self._sites.items():
             R, p = robot.placement(site)
             row[f"{name}_position"], row[f"{name}_quaternion"] = p.copy(), R.copy()

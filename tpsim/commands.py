@@ -84,13 +84,14 @@ class Teach(SeededCommand):
 class Learn(TaskCommand):
     """Fit the task-parameterized model to the recorded demonstrations."""
 
-    components: int = 1
-    """Number of Gaussians of the mixture."""
+    components: int | None = None
+    """Number of Gaussians of the mixture (default: the task's own)."""
 
     def check(self) -> None:
         """Check the number of components."""
         super().check()
-        positive("--components", self.components)
+        if self.components is not None:
+            positive("--components", self.components)
 
     def execute(self) -> dict:
         """Learn."""

@@ -66,17 +66,14 @@ class Pointing(Task):
     ----------
     rest : (n,)
         The teacher's rest posture [rad].
-    demonstrations, components : int
-        How often it is taught, and the number of Gaussians that is learned.
     """
 
-    behaviours = ("pointing",)
     duration = SCHEDULE[-1]
-    demonstrations = 6
     components = 6
 
     def __init__(self, name: str, pointer: Pointer):
-        self.name, self.pointer, self.sites = name, pointer, pointer.sites
+        self.name, self.behaviours = name, (name,)
+        self.pointer, self.sites = pointer, pointer.sites
         self.rest = np.array(pointer.rest)
 
     def simulation(self, xml: str | None = None) -> Simulation:
@@ -174,10 +171,9 @@ class Pointing(Task):
         if controller != "learned":
             raise ArgumentError(f"pointing has no controller '{controller}'; use 'learned'")
         start, robot = np.array(situation.start), simulation.robot
-        (name,) = self.behaviours
         taught = np.isin(robot.joints, self.pointer.joints)
         prior = Gaussian(start, np.diag(np.where(taught, FREE, HOLD) ** 2))
-        behaviour = Behaviour(name, self.coordinates(simulation, name), models[name])
+        behaviour = Behaviour(self.name, self.coordinates(simulation, self.name), models[self.name])
         return rollout(
             simulation,
             TimedIntervention(

@@ -53,12 +53,16 @@ class Task:
         Sites that recordings keep, by name.
     duration : float
         Of a performance [s].
+    demonstrations, components : int
+        How often a whole run teaches each behaviour, and the Gaussians that it learns of it.
     """
 
     name: str
     behaviours: tuple[str, ...]
     sites: Mapping[str, str]
     duration: float
+    demonstrations: int = 6
+    components: int = 1
 
     def simulation(self, xml: str | None = None) -> Simulation:
         """The task's scene, or the recorded scene ``xml`` of a run folder."""

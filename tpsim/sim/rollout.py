@@ -11,13 +11,11 @@ from tpsim.sim.hand import Guide
 from tpsim.sim.objects import ObjectPath
 from tpsim.sim.push import Push
 from tpsim.sim.simulation import Simulation
+from tpsim.sim.surroundings import Surroundings
 from tpsim.sim.trial import Trial
 
 RECORD_PERIOD = 0.01
 """Time [s] between samples of a recording."""
-
-DIVERGED_SPEED = 30.0
-"""Joint speed [rad/s] beyond which a trial is given up as diverged."""
 
 
 def rollout(
@@ -60,34 +58,21 @@ def rollout(
     """
     if not (np.isfinite(duration) and duration > 0):
         raise ArgumentError(f"duration is {duration} s; give a positive number")
-    robot, h = simulation.robot, simulation.timestep
-    steps, stride = round(duration / h), max(1, round(RECORD_PERIOD / h))
-    outside = [person.bind(simulation) for person in people]
-    movers = [path.bind(simulation) for path in objects]
-    log = _Log(simulation, sites)
-    simulation.reset(start)
-    saturated = contacts = 0
+    steps, stride = (max(1, round(t / simulation.timestep)) for t in (duration, RECORD_PERIOD))
+    surroundings = Surroundings(simulation, people, objects)
+    log = _Log(simulation, sites, surroundings)
+    surroundings.reset(start)
     outcome = "done"
-    limit = robot.torque_limit
     for step in range(steps):
-        for mover in movers:
-            mover.act(step)
-        robot.update(simulation.q.copy(), simulation.dq.copy())
-        wanted = controller.torque()
-        torque = np.minimum(np.maximum(wanted, -limit), limit)
-        saturated += (torque != wanted).any()
-        simulation.clear_wrenches()
-        for person in outside:
-            person.act(step)
+        surroundings.sense()
+        torque = surroundings.act(controller.torque())
         if step % stride == 0:
-            # MuJoCo starts over where the state is lost: its clock then disagrees with ours.
-            if not np.abs(robot.dq).max() < DIVERGED_SPEED or simulation.time < (step - 1) * h:
+            if surroundings.diverged:
                 outcome = "diverged"
                 break
-            log.add(torque, controller, outside, saturated, contacts)
-        simulation.step(torque)
-        contacts += simulation.data.ncon > 0
-    if contacts and outcome == "done":
+            log.add(torque, controller)
+        surroundings.advance(torque)
+    if surroundings.contacts and outcome == "done":
         outcome = "contact"
     return Trial(log.arrays(), outcome, about or {})
 
@@ -95,13 +80,13 @@ def rollout(
 class _Log:
     """Samples of one roll-out."""
 
-    def __init__(self, simulation, sites):
-        self._simulation = simulation
+    def __init__(self, simulation, sites, surroundings):
+        self._simulation, self._surroundings = simulation, surroundings
         self._sites = {name: simulation.robot.site(site) for name, site in sites.items()}
         self._rows = []
 
-    def add(self, torque, controller, outside, saturated, contacts):
-        robot = self._simulation.robot
+    def add(self, torque, controller):
+        robot, surroundings = self._simulation.robot, self._surroundings
         impedance = controller.impedance()
         reference = impedance.reference
         row = {
@@ -115,12 +100,12 @@ class _Log:
             "beyond_limits": (reference < robot.lower) | (reference > robot.upper),
             "stiffness": np.diagonal(impedance.stiffness),
             "damping": np.diagonal(impedance.damping),
-            "saturated_steps": saturated,
-            "contact_steps": contacts,
+            "saturated_steps": surroundings.saturated,
+            "contact_steps": surroundings.contacts,
             "push_wrench": np.zeros(6),
             "push_point": np.zeros(3),
         }
-        for person in outside:
+        for person in surroundings.people:
             wrench, point = f"{person.name}_wrench", f"{person.name}_point"
             if person.wrench.any() or wrench not in row:
                 row[point] = person.point

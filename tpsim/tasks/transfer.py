@@ -7,7 +7,7 @@ tracked by the LQT of all frames at once over the finite horizon (Eq. 38), where
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -24,6 +24,7 @@ from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.pose import coordinates, object_frame
 from tpsim.retrieval.gmr import gmr
 from tpsim.sim import scene
+from tpsim.sim.coordinate import Coordinate, HandPose, Posture
 from tpsim.sim.horizon import FiniteHorizon
 from tpsim.sim.objects import ObjectPath
 from tpsim.sim.rollout import rollout
@@ -56,6 +57,19 @@ PARTS = {"position": slice(0, 3), "orientation": slice(3, 6)}
 """Of a pose. Apart, since a few demonstrations do not show how they depend on each other."""
 
 
+@dataclass(frozen=True)
+class View(Coordinate):
+    """A part of the hand's pose as a dock sees it; the controller gets whole poses from it.
+
+    Parameters
+    ----------
+    labels : tuple of str
+        Names of the dimensions.
+    """
+
+    labels: tuple[str, ...] = ()
+
+
 class Transfer(Task):
     """Carry a sugar cube from the first dock into the second, on Baxter's left arm."""
 
@@ -75,6 +89,15 @@ class Transfer(Task):
         """Draw docks within the taught range, and how a person carries between them."""
         placed = docks.draw(rng)
         return _lesson(simulation, placed, docks.start_posture(simulation, placed, rng), rng)
+
+    def coordinates(self, simulation: Simulation, behaviour: str) -> tuple[Coordinate, ...]:
+        """What the frames observe: position and orientation from each dock, and the posture."""
+        views = (
+            View(f"{kind} from {name}", HandPose.labels[part])
+            for name in docks.NAMES
+            for kind, part in PARTS.items()
+        )
+        return *views, Posture("posture", _arm(simulation, "left"))
 
     def learn(
         self, simulation: Simulation, behaviour: str, trials: Sequence[Trial], components: int

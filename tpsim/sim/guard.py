@@ -25,13 +25,15 @@ class Guard:
     def __init__(self, robot: Robot):
         self._robot = robot
         self._low, self._high = robot.lower + WIDTH, robot.upper - WIDTH
+        self._bounds = np.concatenate([self._high, -self._low, *[robot.velocity_limit] * 2])
         self._nothing = np.zeros(robot.n)
 
     def torque(self) -> np.ndarray:
         """Torque (n,) [Nm] at the robot's last update."""
         robot = self._robot
         q, dq, fast = robot.q, robot.dq, robot.velocity_limit
-        if ((q > self._low) & (q < self._high) & (np.abs(dq) < fast)).all():
+        # One comparison for all bounds: this is asked at every step, and mostly in vain.
+        if not np.count_nonzero(np.concatenate((q, -q, dq, -dq)) > self._bounds):
             return self._nothing
         angle = np.maximum(self._low - q, 0.0) - np.maximum(q - self._high, 0.0)
         speed = np.sign(dq) * np.maximum(np.abs(dq) - fast, 0.0)

@@ -35,8 +35,8 @@ class Robot:
         Limits in rad (or m), rad/s, Nm; infinite where the model sets none.
     objects : dict of str to (position (3,), quaternion (4,))
         What the robot sees of the world: where objects are at this moment [m].
-    mass, bias, gravity : (n, n), (n,), (n,)
-        M(q) with armature, Coriolis and gravity torque, gravity torque alone, of the last update.
+    bias, gravity : (n,), (n,)
+        Coriolis and gravity torque, gravity torque alone, of the last update.
     """
 
     def __init__(self, model: mujoco.MjModel):
@@ -53,7 +53,7 @@ class Robot:
         self.torque_limit = self._motor_limits(ids)
         self.velocity_limit = _velocity_limits(model, ids)
         self.passive_damping = model.dof_damping[self.dof].copy()
-        self.mass = np.zeros((self.n, self.n))
+        self._mass = None
         self.bias = np.zeros(self.n)
         self.gravity = np.zeros(self.n)
         self._below = np.tril_indices(self.n, -1)
@@ -76,22 +76,28 @@ class Robot:
         return limit
 
     def update(self, q, dq) -> None:
-        """Compute placements, Jacobians, M(q) and bias(q, dq) at q (n,), dq (n,)."""
+        """Compute placements, Jacobians and bias(q, dq) at q (n,), dq (n,)."""
         model, data = self.pin_model, self.pin_data
         pin.computeJointJacobians(model, data, q)
         pin.updateFramePlacements(model, data)
-        pin.crba(model, data, q)
-        self.mass = data.M.copy()
-        # crba fills the upper triangle only.
-        self.mass[self._below] = self.mass.T[self._below]
         self.bias = pin.nonLinearEffects(model, data, q, dq)
-        self.q, self.dq = q, dq
+        self.q, self.dq, self._mass = q, dq, None
+
+    @property
+    def mass(self) -> np.ndarray:
+        """M(q) (n, n) with armature, of the last update; computed when first asked for."""
+        if self._mass is None:
+            pin.crba(self.pin_model, self.pin_data, self.q)
+            self._mass = self.pin_data.M.copy()
+            # crba fills the upper triangle only.
+            self._mass[self._below] = self._mass.T[self._below]
+        return self._mass
 
     def update_kinematics(self, q) -> None:
         """Compute placements and Jacobians only, at q (n,)."""
         pin.computeJointJacobians(self.pin_model, self.pin_data, q)
         pin.updateFramePlacements(self.pin_model, self.pin_data)
-        self.q = q
+        self.q, self._mass = q, None
 
     def inverse_mass(self) -> np.ndarray:
         """Inverse (n, n) of M(q) of the last update."""

@@ -17,7 +17,7 @@ from typing import Annotated, Literal
 import tyro
 from tyro.conf import Positional, arg
 
-from tpsim.errors import ArgumentError, RecordingError
+from tpsim.errors import ArgumentError
 from tpsim.options import Command, SeededCommand, TaskCommand, known, not_negative, positive
 
 BENCHES = ("learning", "retrieval", "control", "simulation")
@@ -65,7 +65,7 @@ class Run(SeededCommand):
 class Teach(SeededCommand):
     """Lead the arms through a task and record the demonstrations."""
 
-    count: int = 5
+    count: int = 6
     """Number of demonstrations."""
 
     def check(self) -> None:
@@ -169,19 +169,17 @@ class Replay(Command):
     def execute(self) -> dict:
         """Replay."""
         from tpsim.experiment.recording import load_run
-        from tpsim.experiment.replay import compare_runs
+        from tpsim.experiment.replay import compare_runs, replay
 
         run = load_run(self.folder)
         line = run.description["command"]
         command = parse(shlex.split(line)[1:])
-        if not isinstance(command, SeededCommand):
-            raise RecordingError(f"{self.folder} was recorded by {line!r}, which does not repeat")
+        if not isinstance(command, Teach):
+            return {"command": line, **replay(run)}
         with tempfile.TemporaryDirectory() as folder:
-            options = {"folder": Path(folder)} | (
-                {"video": False} if isinstance(command, Run) else {}
-            )
-            dataclasses.replace(command, **options).execute()
-            return {"command": line, **compare_runs(run, load_run(folder))}
+            again = dataclasses.replace(command, folder=Path(folder)).execute()
+            where = again["paths"]["demonstrations"][0]
+            return {"command": line, **compare_runs(run, load_run(Path(where)))}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,10 +1,58 @@
-"""Does a run repeat? Two run folders, compared trial by trial."""
+"""Does a run repeat? Its trials are performed again, from its own folder alone."""
 
 import numpy as np
 
+from tpsim import tasks
 from tpsim.errors import RecordingError
+from tpsim.experiment.conditions import Condition
 from tpsim.experiment.doctor import versions
 from tpsim.experiment.recording import Run
+from tpsim.learning.tp_gmm import TPGMM
+
+
+def replay(run: Run) -> dict:
+    """Perform the trials of a run again and compare all signals bit for bit.
+
+    Scene, models and conditions come from the run's folder and from nothing else.
+
+    Returns
+    -------
+    dict
+        ``trials``, ``identical``, ``largest_difference`` over all signals (each in its SI unit),
+        ``different`` (names of the files that differ) and ``other_versions`` (packages that have
+        changed since the recording).
+
+    Raises
+    ------
+    RecordingError
+        Where the folder holds no models or no trials.
+    """
+    models = {
+        file.stem.removeprefix("model-"): TPGMM.load(file)
+        for file in sorted(run.folder.glob("model-*.npz"))
+    }
+    files = run.files()
+    if not models or not files:
+        raise RecordingError(
+            f"{run.folder} holds no models or no trials; give a whole run's folder"
+        )
+    different, largest, bench = [], 0.0, None
+    for file, recorded in zip(files, run.trials(), strict=True):
+        if bench is None:
+            task = tasks.load(recorded.about["task"])
+            bench = task, task.simulation(run.scene), models
+        again = Condition.from_about(recorded.about).perform(*bench)
+        difference = _difference(recorded.arrays, again.arrays)
+        if difference > 0 or recorded.outcome != again.outcome:
+            different.append(file.name)
+        largest = max(largest, difference)
+    return {
+        "trials": len(files),
+        "identical": len(files) - len(different),
+        "largest_difference": largest,
+        "different": different,
+        "other_versions": _changes(run.description["versions"]),
+    }
 
 
 def compare_runs(recorded: Run, again: Run) -> dict:

@@ -16,6 +16,9 @@ from tpsim.sim.trial import Trial
 LIMIT_MARGIN = 0.05
 """Distance to a joint limit [rad] at which a demonstration counts as having hit it."""
 
+COMMANDED = ("stiffness", "left_hand_stiffness", "right_hand_stiffness", "reference", "beyond")
+"""Signals of a controller's will, which a weightless arm has not: they are not kept."""
+
 ATTEMPTS = 10
 """Demonstrations tried for each one wanted, before teaching gives up."""
 
@@ -62,7 +65,8 @@ def demonstrate(simulation: Simulation, lesson: Lesson, sites: Mapping[str, str]
         people=lesson.guides,
         objects=lesson.objects,
     )
-    return Trial(trial.arrays, _verdict(robot, trial), trial.about)
+    arrays = {n: a for n, a in trial.arrays.items() if not n.startswith(COMMANDED)}
+    return Trial(arrays, _verdict(robot, trial), trial.about)
 
 
 def _verdict(robot, trial):

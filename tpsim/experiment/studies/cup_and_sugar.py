@@ -75,7 +75,7 @@ class CupAndSugarStudy(Study):
     def figures(self, records: Records, models) -> dict:
         """Tilt, offset, yielding and comparison; of those trials that there are."""
         trials = [t for c, t in records if c.controller == "learned"]
-        pushed = select(records, "pushed") or select(records, "unpushed")
+        pushed = select(records, "pushed") or select(records, "unpushed") or trials
         figures = {}
         if "cup" in self.task.behaviours:
             tilts = np.concatenate([tilt(t) for t in pushed])

@@ -144,7 +144,7 @@ def clip(scene: str, trial: Trial, title: str, subtitle: str, *, speed: float = 
     ellipsoids = [
         Ellipsoid(trial[f"{hand}_hand_position"], trial[f"{hand}_hand_stiffness"])
         for hand in ("left", "right")
-        if trial[f"{hand}_hand_stiffness"].any()
+        if f"{hand}_hand_stiffness" in trial.arrays
     ]
     return Clip(
         scene,

@@ -39,6 +39,7 @@ class Simulation:
         # Slices keep views of MuJoCo's arrays where the robot's joints come first, as ours do.
         self._qpos, self._dof = _as_slice(self.robot.qpos), _as_slice(self.robot.dof)
         self._actuator = _as_slice(self.robot.actuator)
+        self._states = self.data.qpos, self.data.qvel, self.data.ctrl
         key = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_KEY, "home")
         if key < 0:
             raise SimulationError("the scene has no keyframe 'home'; add one to say how it starts")
@@ -72,12 +73,12 @@ class Simulation:
     @property
     def q(self) -> np.ndarray:
         """Joint angles (n,) [rad]."""
-        return self.data.qpos[self._qpos]
+        return self._states[0][self._qpos]
 
     @property
     def dq(self) -> np.ndarray:
         """Joint velocities (n,) [rad/s]."""
-        return self.data.qvel[self._dof]
+        return self._states[1][self._dof]
 
     @property
     def time(self) -> float:
@@ -118,7 +119,7 @@ class Simulation:
 
     def step(self, torque) -> None:
         """Advance one time step with joint torques (n,) [Nm]."""
-        self.data.ctrl[self._actuator] = torque
+        self._states[2][self._actuator] = torque
         mujoco.mj_step(self.model, self.data)
 
 

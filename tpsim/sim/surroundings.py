@@ -43,6 +43,7 @@ class Surroundings:
     ):
         self._simulation = simulation
         self._limit = simulation.robot.torque_limit
+        self._least = -self._limit
         self.people = [person.bind(simulation) for person in people]
         self._objects = [path.bind(simulation) for path in objects]
         self._step = self.saturated = self.contacts = 0
@@ -69,11 +70,12 @@ class Surroundings:
 
     def act(self, wanted) -> np.ndarray:
         """Let people act; torque (n,) [Nm] that the motors give when (n,) is wanted."""
-        torque = np.minimum(np.maximum(wanted, -self._limit), self._limit)
-        self.saturated += (torque != wanted).any()
-        self._simulation.clear_wrenches()
-        for person in self.people:
-            person.act(self._step)
+        torque = np.minimum(np.maximum(wanted, self._least), self._limit)
+        self.saturated += np.count_nonzero(torque != wanted) > 0
+        if self.people:
+            self._simulation.clear_wrenches()
+            for person in self.people:
+                person.act(self._step)
         return torque
 
     def advance(self, torque) -> None:

@@ -4,21 +4,20 @@ Two behaviours are taught apart: the left hand holds a cup level, the right hand
 cube above it. ``cup-and-sugar`` performs the product of the two learned controllers.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
+from tpsim import rotation
 from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.sim import scene
 from tpsim.sim.controller import Behaviour, Controller, FixedImpedance
 from tpsim.sim.minimal_intervention import MinimalIntervention
-from tpsim.sim.rollout import rollout
 from tpsim.sim.simulation import Simulation
-from tpsim.sim.trial import Trial
 from tpsim.tasks import cup, sugar
 from tpsim.tasks.bimanual import SITES, Hands
-from tpsim.tasks.task import Situation, Task
+from tpsim.tasks.task import Task
 
 EFFORT = 0.3
 """Cost of acceleration [s^4/(kg m^2)]: the one number that sets how soft the robot is."""
@@ -28,6 +27,9 @@ FIXED = {"stiff": 2000.0, "soft": 40.0}
 
 HOLD = 0.1
 """Standard deviation [rad] with which joints that no behaviour was taught hold their start."""
+
+LEVEL, ABOVE = float(np.radians(5.0)), 0.015
+"""Tilt of the cup [rad] and distance of the sugar from its place [m] up to which all is well."""
 
 _BEHAVIOURS = {"cup": cup, "sugar": sugar}
 
@@ -66,7 +68,9 @@ class CupAndSugar(Task):
         start = _BEHAVIOURS[self.behaviours[-1]].situation(Hands(simulation), rng)
         return start, {}
 
-    def controller(self, simulation, models: Mapping[str, TPGMM], start, kind) -> Controller:
+    def controller(
+        self, simulation, models: Mapping[str, TPGMM], start, kind="learned"
+    ) -> Controller:
         """The learned controller, or a fixed-gain one (``"stiff"``, ``"soft"``) about ``start``."""
         robot = simulation.robot
         if kind in FIXED:
@@ -82,26 +86,21 @@ class CupAndSugar(Task):
             prior = Gaussian(np.array(start), np.diag(deviation**2))
         return MinimalIntervention(robot, behaviours, effort=EFFORT, prior=prior)
 
-    def perform(
-        self,
-        simulation: Simulation,
-        models: Mapping[str, TPGMM],
-        situation: Situation,
-        *,
-        controller: str = "learned",
-        people: Sequence = (),
-        duration: float | None = None,
-    ) -> Trial:
-        """Hold the taught behaviours from a start posture on, whoever pushes."""
-        start = np.array(situation.start)
-        return rollout(
-            simulation,
-            self.controller(simulation, models, start, controller),
-            start,
-            self.duration if duration is None else duration,
-            sites=self.sites,
-            people=people,
-        )
+    def errors(self, simulation):
+        """Tilt of the cup [rad], and distance [m] of the sugar from its place above it."""
+        robot, (_, place) = simulation.robot, Hands(simulation).above
+        cup, sugar = robot.site("cup"), robot.site("sugar")
+
+        def evaluate():
+            R, p = robot.placement(cup)
+            _, p_sugar = robot.placement(sugar)
+            errors = {
+                "cup": (float(rotation.tilt(R)), LEVEL),
+                "sugar": (float(np.linalg.norm(R.T @ (p_sugar - p) - place)), ABOVE),
+            }
+            return {name: errors[name] for name in self.behaviours}
+
+        return evaluate
 
 
 def task(name: str) -> CupAndSugar:

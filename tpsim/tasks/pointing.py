@@ -22,19 +22,21 @@ from tpsim.sim.hand import Guide, Hand
 from tpsim.sim.objects import ObjectPath
 from tpsim.sim.posture_script import hand_path, posture_at, through
 from tpsim.sim.regression import TimedIntervention
-from tpsim.sim.rollout import rollout
 from tpsim.sim.script import Variation
 from tpsim.sim.simulation import Simulation
 from tpsim.sim.teach import Lesson
 from tpsim.sim.trial import Trial
 from tpsim.tasks.pointers import BAXTER, OBJECTS, PLANAR, Pointer
-from tpsim.tasks.task import Situation, Task, demonstration
+from tpsim.tasks.task import Task, demonstration
 
 SCHEDULE = (0.0, 0.5, 2.0, 4.0, 5.5, 7.5, 9.0, 10.0)
 """When the teacher leaves rest, reaches and leaves each object, is at rest again, and ends [s]."""
 
 PHASES = {"first": (2.0, 4.0), "second": (5.5, 7.5)}
 """When the teacher points at each object [s]."""
+
+POINTED, RESTED = float(np.radians(1.5)), 0.1
+"""Angles [rad] up to which the arm points at an object, and up to which it is at rest."""
 
 APPROACH = 1.5
 """How long the teacher takes to turn to an object [s]."""
@@ -157,34 +159,35 @@ class Pointing(Task):
                 return self.draw(simulation, rng)
         return start, {"objects": [asdict(path) for path in objects]}
 
-    def perform(
-        self,
-        simulation: Simulation,
-        models: Mapping[str, TPGMM],
-        situation: Situation,
-        *,
-        controller: str = "learned",
-        people: Sequence = (),
-        duration: float | None = None,
-    ) -> Trial:
-        """Point at the objects of the situation, wherever they move."""
-        if controller != "learned":
-            raise ArgumentError(f"pointing has no controller '{controller}'; use 'learned'")
-        start, robot = np.array(situation.start), simulation.robot
-        taught = np.isin(robot.joints, self.pointer.joints)
-        prior = Gaussian(start, np.diag(np.where(taught, FREE, HOLD) ** 2))
-        behaviour = Behaviour(self.name, self.coordinates(simulation, self.name), models[self.name])
-        return rollout(
-            simulation,
-            TimedIntervention(
-                simulation, behaviour, effort=EFFORT, until=SCHEDULE[-1], prior=prior
-            ),
-            start,
-            self.duration if duration is None else duration,
-            sites=self.sites,
-            people=people,
-            objects=[ObjectPath(**path) for path in situation.details["objects"]],
+    def controller(
+        self, simulation: Simulation, models: Mapping[str, TPGMM], start, kind: str = "learned"
+    ) -> TimedIntervention:
+        """Point at the objects, wherever they move; joints that were not taught hold ``start``."""
+        if kind != "learned":
+            raise ArgumentError(f"pointing has no controller '{kind}'; use 'learned'")
+        taught = np.isin(simulation.robot.joints, self.pointer.joints)
+        prior = Gaussian(np.array(start), np.diag(np.where(taught, FREE, HOLD) ** 2))
+        (name,) = self.behaviours
+        behaviour = Behaviour(name, self.coordinates(simulation, name), models[name])
+        return TimedIntervention(
+            simulation, behaviour, effort=EFFORT, until=SCHEDULE[-1], prior=prior
         )
+
+    def errors(self, simulation: Simulation):
+        """Angle [rad] to the object that it is time to point at; in the end, to rest."""
+        robot = simulation.robot
+        seen = {name: self._towards(name).bind(robot) for name in OBJECTS}
+        taught = np.isin(robot.joints, self.pointer.joints)
+
+        def evaluate():
+            for name, (begin, end) in PHASES.items():
+                if begin <= simulation.time < end:
+                    return {name: (float(np.linalg.norm(seen[name]()[0])), POINTED)}
+            if simulation.time >= SCHEDULE[-2]:
+                return {"rest": (float(np.abs(robot.q - self.rest)[taught].max()), RESTED)}
+            return {}
+
+        return evaluate
 
 
 def task(name: str) -> Pointing:

@@ -1,6 +1,6 @@
 """What a task is: a scene, how it is taught, what is learned, how it is performed."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,10 +9,13 @@ from tpsim.control import projection
 from tpsim.demonstration import Demonstration
 from tpsim.errors import SimulationError
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
+from tpsim.sim.controller import Controller
 from tpsim.sim.coordinate import Coordinate
 from tpsim.sim.hand import Guide
+from tpsim.sim.objects import ObjectPath
 from tpsim.sim.push import Push
 from tpsim.sim.robot import Robot
+from tpsim.sim.rollout import rollout
 from tpsim.sim.simulation import Simulation
 from tpsim.sim.teach import Lesson
 from tpsim.sim.trial import Trial
@@ -73,8 +76,8 @@ class Task:
         raise NotImplementedError
 
     def coordinates(self, simulation: Simulation, behaviour: str) -> tuple[Coordinate, ...]:
-        """Candidate frames of a behaviour."""
-        raise NotImplementedError
+        """Candidate frames of a behaviour that are coordinates of the robot; none by default."""
+        return ()
 
     def draw(self, simulation: Simulation, rng) -> tuple[np.ndarray, dict]:
         """Draw a start posture (n,) and the details of a situation; may be unreachable."""
@@ -91,7 +94,33 @@ class Task:
         duration: float | None = None,
     ) -> Trial:
         """Perform the task once."""
+        return rollout(
+            simulation,
+            self.controller(simulation, models, situation.start, controller),
+            situation.start,
+            self.duration if duration is None else duration,
+            sites=self.sites,
+            people=people,
+            objects=self.objects(situation),
+        )
+
+    def controller(
+        self, simulation: Simulation, models: Mapping[str, TPGMM], start, kind: str = "learned"
+    ) -> Controller:
+        """What drives the robot from a start posture (n,): learned, or of a kind to compare."""
         raise NotImplementedError
+
+    def objects(self, situation: Situation) -> tuple[ObjectPath, ...]:
+        """Where movable objects are in a situation: as its details say."""
+        return tuple(ObjectPath(**path) for path in situation.details.get("objects", ()))
+
+    def errors(self, simulation: Simulation) -> Callable[[], dict[str, tuple[float, float]]]:
+        """Return a function that measures how well the task is done at the robot's last update.
+
+        It gives each error that counts now by name, with the size up to which it is none: what
+        an environment rewards. By default nothing counts.
+        """
+        return dict
 
     def learn(
         self, simulation: Simulation, behaviour: str, trials: Sequence[Trial], components: int

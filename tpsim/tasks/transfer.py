@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 from typing import ClassVar
 
 import numpy as np
+import pinocchio as pin
 
 from tpsim import rotation
 from tpsim.control.poses import SeenMovement
@@ -26,8 +27,6 @@ from tpsim.retrieval.gmr import gmr
 from tpsim.sim import scene
 from tpsim.sim.coordinate import Coordinate, HandPose, Posture
 from tpsim.sim.horizon import FiniteHorizon
-from tpsim.sim.objects import ObjectPath
-from tpsim.sim.rollout import rollout
 from tpsim.sim.simulation import Simulation
 from tpsim.sim.teach import Lesson, demonstrate
 from tpsim.sim.trial import Trial
@@ -46,9 +45,8 @@ WARP = 0.1
 DT = 0.03
 """Time step of the plan [s]."""
 
-EFFORT = (0.15, 0.006, 0.03)
-"""Cost of accelerating the hand [1/(m/s^2)^2], of turning it and of moving joints in its
-nullspace [1/(rad/s^2)^2]: what sets how soft the arm is."""
+EFFORT = 0.05
+"""Cost of torque [1/(Nm)^2]: the one number that sets how soft the arm is."""
 
 MISSED = 0.05
 """Distance [m] from the second dock at which the hand counts as unable to reach it."""
@@ -59,15 +57,37 @@ PARTS = {"position": slice(0, 3), "orientation": slice(3, 6)}
 
 @dataclass(frozen=True)
 class View(Coordinate):
-    """A part of the hand's pose as a dock sees it; the controller gets whole poses from it.
+    """A part of the hand's pose as a dock sees it, Eq. (41): d = 3.
 
     Parameters
     ----------
-    labels : tuple of str
-        Names of the dimensions.
+    dock, part : str
+        One of ``docks.NAMES`` and of ``PARTS``.
     """
 
-    labels: tuple[str, ...] = ()
+    dock: str
+    part: str
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the dimensions."""
+        return HandPose.labels[PARTS[self.part]]
+
+    def bind(self, robot):
+        """Return a function that gives y (3,) and J (3, n) of the robot's last update."""
+        hand, part = robot.site(docks.GRIPPER), PARTS[self.part]
+        (p_dock, turned), reference = robot.objects[self.dock], docks.HELD[self.dock].T
+
+        def evaluate():
+            R, p = robot.placement(hand)
+            back = pin.Quaternion(*turned.tolist()).matrix().T
+            J = back @ robot.jacobian(hand)[part]
+            if self.part == "position":
+                return back @ (p - p_dock), J
+            error = back @ R @ reference
+            return pin.log3(error), pin.Jlog3(error).T @ J
+
+        return evaluate
 
 
 class Transfer(Task):
@@ -92,11 +112,7 @@ class Transfer(Task):
 
     def coordinates(self, simulation: Simulation, behaviour: str) -> tuple[Coordinate, ...]:
         """What the frames observe: position and orientation from each dock, and the posture."""
-        views = (
-            View(f"{kind} from {name}", HandPose.labels[part])
-            for name in docks.NAMES
-            for kind, part in PARTS.items()
-        )
+        views = (View(f"{part} from {name}", name, part) for name in docks.NAMES for part in PARTS)
         return *views, Posture("posture", _arm(simulation, "left"))
 
     def learn(
@@ -115,6 +131,17 @@ class Transfer(Task):
         start = docks.start_posture(simulation, placed, rng)
         return start, {"objects": [asdict(path) for path in docks.at_rest(placed)]}
 
+    def controller(
+        self, simulation: Simulation, models: Mapping[str, TPGMM], start, kind: str = "learned"
+    ) -> FiniteHorizon:
+        """GMR over time in every frame, then LQT of all of them."""
+        if kind != "learned":
+            raise ArgumentError(
+                f"there is no controller '{kind}' for transfer; use 'learned' or 'teacher'"
+            )
+        (name,) = self.behaviours
+        return _controller(simulation, models[name])
+
     def perform(
         self,
         simulation: Simulation,
@@ -129,28 +156,25 @@ class Transfer(Task):
 
         The outcome is ``"unreachable"`` where the hand ends far from the second dock.
         """
-        start = np.array(situation.start)
-        paths = [ObjectPath(**path) for path in situation.details["objects"]]
         if controller == "teacher":
             key = np.random.SeedSequence(situation.seed, spawn_key=(2, situation.index))
-            rng = np.random.default_rng(key)
-            lesson = _lesson(simulation, docks.at_start(paths), start, rng)
-            return demonstrate(simulation, lesson, self.sites)
-        if controller != "learned":
-            raise ArgumentError(
-                f"there is no controller '{controller}' for transfer; use 'learned' or 'teacher'"
+            placed = docks.at_start(self.objects(situation))
+            lesson = _lesson(
+                simulation, placed, np.array(situation.start), np.random.default_rng(key)
             )
-        (name,) = self.behaviours
-        trial = rollout(
-            simulation,
-            _controller(simulation, models[name]),
-            start,
-            self.duration if duration is None else duration,
-            sites=self.sites,
-            people=people,
-            objects=paths,
+            return demonstrate(simulation, lesson, self.sites)
+        trial = super().perform(
+            simulation, models, situation, controller=controller, people=people, duration=duration
         )
         return Trial(trial.arrays, _outcome(trial), trial.about)
+
+    def errors(self, simulation: Simulation):
+        """Distance [m] and angle [rad] of the hand from its place in the second dock."""
+        views = [View(part, "end", part).bind(simulation.robot) for part in PARTS]
+        return lambda: {
+            part: (float(np.linalg.norm(view()[0])), enough)
+            for (part, enough), view in zip(ARRIVED.items(), views, strict=True)
+        }
 
 
 def end_error(trial: Trial) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,30 @@
+"""The README's example runs as it stands there."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+README = Path(__file__).parent.parent / "README.md"
+
+
+def test_the_twelve_lines_run():
+    (code,) = re.findall(r"## Twelve lines\n\n```python\n(.*?)```", README.read_text(), re.DOTALL)
+    lines = [line for line in code.splitlines() if line.strip()]
+    assert len(lines) == 12
+    names = {}
+    exec(code, names)
+    assert names["path"].mean.shape == (200, 2)
+    assert names["controller"].gain.shape == (200, 2, 4)
+    error = np.linalg.norm(names["plan"].states[:, :2] - names["path"].mean, axis=1)
+    assert np.median(error) < 0.1
+
+
+def test_every_command_it_shows_is_understood():
+    from tpsim.commands import parse
+
+    blocks = "".join(re.findall(r"```sh\n(.*?)```", README.read_text(), re.DOTALL))
+    shown = re.findall(r"^tpsim (\w+ \S[^#\n]*)", blocks, re.MULTILINE)
+    assert len(shown) >= 6
+    for line in shown:
+        parse(line.split())

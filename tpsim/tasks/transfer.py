@@ -48,6 +48,9 @@ DT = 0.03
 EFFORT = 0.05
 """Cost of torque [1/(Nm)^2]: the one number that sets how soft the arm is."""
 
+ARRIVED = {"position": 0.005, "orientation": float(np.radians(3.0))}
+"""Distance [m] and angle [rad] from the place in the second dock at which the hand is there."""
+
 MISSED = 0.05
 """Distance [m] from the second dock at which the hand counts as unable to reach it."""
 

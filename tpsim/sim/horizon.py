@@ -24,10 +24,8 @@ MOVED = 1e-5
 TAIL = 1.0
 """Time [s] for which a plan goes on beyond the movement's end, which then lasts."""
 
-MOST = 20.0, 100.0
-"""Acceleration [m/s^2], [rad/s^2] that the hand does not exceed, as after a jump of an object."""
-
-_LEAST = np.repeat(MOST, 3) ** -2.0
+STRENGTH = 0.5
+"""Share of the motors' torque that the hand does not exceed, as after a jump of an object."""
 
 SINGULAR = 5e-3
 """Mobility [1/kg], [1/(kg m^2)] below which the arm counts as unable to move its hand."""
@@ -46,7 +44,8 @@ class FiniteHorizon(Controller):
     integrator ``ddy = u`` with ``u_t = k_t - K_t [y, dy]``: stiffness and damping change over time
     with the precision of the movement. Through the arm's inertia this is torque,
     ``tau = J^T (J M^-1 J^T)^-1 u``; what is left of the arm follows the taught posture in the
-    hand's nullspace (Eq. 42) by the infinite-horizon optimum.
+    hand's nullspace (Eq. 42) by the infinite-horizon optimum. The effort is torque, ``r |tau|^2``
+    in the taught postures, so that what is light is not softer than what is heavy.
 
     Parameters
     ----------
@@ -63,10 +62,9 @@ class FiniteHorizon(Controller):
     site : str
         The hand.
     dt : float
-        Time step of the plan [s].
-    effort : (float, float, float)
-        Cost of the hand's acceleration [1/(m/s^2)^2], of its turning [1/(rad/s^2)^2], and of the
-        joints' [1/(rad/s^2)^2] in the nullspace.
+        Time step of the plan [s]. No gain is faster than it: natural frequencies stay below 1/dt.
+    effort : float
+        Cost r of torque [1/(Nm)^2], against the log-likelihood of the movement.
     """
 
     def __init__(
@@ -79,7 +77,7 @@ class FiniteHorizon(Controller):
         joints: Sequence[str],
         site: str,
         dt: float,
-        effort: tuple[float, float, float],
+        effort: float,
     ):
         robot = simulation.robot
         super().__init__(robot)
@@ -90,12 +88,36 @@ class FiniteHorizon(Controller):
         if robot.joints[self._arm] != tuple(joints):
             raise ArgumentError(f"joints {joints} do not follow each other on the robot")
         self._system, self._dt = integrator(6, dt, exact=True), dt
-        self._effort = np.diag(np.repeat(effort[:2], 3))
         self._steps, self._tail = len(movements[0]), round(TAIL / dt)
         self._posture = posture.mean
-        self._swivel, self._brake = impedance(posture.precision, effort[2])
+        mass, self._effort = self._torques(posture.mean)
+        self._swivel, self._brake = impedance(posture.precision, effort * mass @ mass)
+        self._effort *= effort
+        self._weakest = (STRENGTH * robot.torque_limit[self._arm]) ** -2.0
         self._hold, self._seen, self._next_look, self._calls = None, None, 0.0, 0
         self._state = np.ones(13)
+
+    def _torques(self, postures):
+        """Inertia (T, m, m) in the taught postures, and |tau|^2 of the hand's acceleration there.
+
+        The latter (T, 6, 6) is ``L J J^T L`` with L the inertia that the hand feels.
+        """
+        robot, arm = self.robot, self._arm
+        q, site = robot.lower.clip(-1, 1) * 0, robot.site(self._site)
+        masses, efforts = [], []
+        for posture in postures:
+            q[arm] = posture
+            robot.update(q, 0 * q)
+            M, J = robot.mass[arm, arm], robot.jacobian(site)[:, arm]
+            inertia = self._felt_inertia(M, J)
+            masses.append(M)
+            efforts.append(inertia @ J @ J.T @ inertia)
+        return np.array(masses), np.array(efforts)
+
+    @staticmethod
+    def _felt_inertia(M, J):
+        """Inertia (6, 6) that the hand feels, bounded where the arm is singular."""
+        return np.linalg.inv(J @ dposv(M, J.T)[1] + SINGULAR * np.eye(6))
 
     def feedback(self) -> np.ndarray:
         """Torque (n,) [Nm] against error and velocity at the robot's last update."""
@@ -123,13 +145,16 @@ class FiniteHorizon(Controller):
         poses = [(rotation.from_quaternion(turned), p.copy()) for p, turned in self._objects]
         rest = [movement.from_step(first) for movement in self._movements]
         reference = poses[-1][0] @ rest[-1].reference
-        means, precisions, _ = fuse_poses(rest, poses, reference)
+        means, precisions, fused = fuse_poses(rest, poses, reference)
+        turning = np.broadcast_to(np.eye(6), precisions.shape[1:]).copy()
+        turning[:, 3:, 3:] = rotation.left_jacobian(fused[:, 3:])
+        effort = turning.mT @ self._effort[first:] @ turning
         # The last law is that of a long horizon, since it is kept for ever.
-        means, precisions = (
+        means, precisions, (effort,) = (
             np.concatenate([part, np.repeat(part[:, -1:], self._tail, axis=1)], axis=1)
-            for part in (means, precisions)
+            for part in (means, precisions, effort[None])
         )
-        feedback = track_poses(means, precisions, self._system, self._effort)
+        feedback = track_poses(means, precisions, self._system, effort)
         law = np.dstack([-feedback.gain, feedback.feedforward])[: len(rest[0]) + 1]
         self._first, self._law, self._slope = first, law, np.diff(law, axis=0)
         self._evaluate = HandPose("hand", self._site, tuple(reference.ravel())).bind(self.robot)
@@ -143,21 +168,20 @@ class FiniteHorizon(Controller):
         self._state[:6], J = self._evaluate()
         self._J = J[:, self._arm]
         if self._calls % INERTIA_STEPS == 0:
-            mobility = self._J @ dposv(self.robot.mass[self._arm, self._arm], self._J.T)[1]
-            self._inertia = np.linalg.inv(mobility + SINGULAR * np.eye(6))
+            self._inertia = self._felt_inertia(self.robot.mass[self._arm, self._arm], self._J)
         self._calls += 1
 
     def _torque(self, dq):
         """Torque (m,) of the arm at the joint velocities dq (m,)."""
         robot, arm, J, k, state = self.robot, self._arm, self._J, self._step, self._state
         state[6:12] = J @ dq
-        u = self._now @ state
-        excess = u * u @ _LEAST
-        if excess > 1:
-            u /= excess**0.5
         swivel = self._swivel[k] @ (self._posture[k] - robot.q[arm]) - self._brake[k] @ dq
         # The hand's force makes up for what swivelling does to the hand.
-        return robot.mass[arm, arm] @ swivel + J.T @ (self._inertia @ (u - J @ swivel))
+        pull = J.T @ (self._inertia @ (self._now @ state - J @ swivel))
+        excess = pull * pull @ self._weakest
+        if excess > 1:
+            pull /= excess**0.5
+        return robot.mass[arm, arm] @ swivel + pull
 
     def impedance(self) -> Impedance:
         """Stiffness, damping and reference of the last :meth:`feedback`."""

@@ -4,14 +4,11 @@ A step of the environment is a step of :class:`~tpsim.sim.surroundings.Surroundi
 roll-out: the torques of one of our controllers, given as actions, repeat its roll-out bit for bit.
 """
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from dm_control import mujoco
-from dm_control.mujoco import wrapper
-from dm_control.rl import control
-from dm_control.utils.rewards import tolerance
 from dm_env import specs
 
 from tpsim import rotation
@@ -23,6 +20,14 @@ from tpsim.sim.objects import ObjectPath
 from tpsim.sim.push import Push
 from tpsim.sim.simulation import Simulation
 from tpsim.sim.surroundings import Surroundings
+
+with warnings.catch_warnings():
+    # Looking for a renderer, dm_control warns where there is no display.
+    warnings.simplefilter("ignore")
+    from dm_control import mujoco
+    from dm_control.mujoco import wrapper
+    from dm_control.rl import control
+    from dm_control.utils.rewards import tolerance
 
 ACTIONS = ("torque", "impedance")
 """What an agent may command: joint torques, or the posture to which a spring and a damper pull."""

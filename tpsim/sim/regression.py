@@ -5,13 +5,12 @@ from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.gaussian import Gaussian
-from tpsim.learning.gmm import GMM
 from tpsim.retrieval.gmr import Regression
 from tpsim.sim.controller import Behaviour, Controller, Impedance
 from tpsim.sim.simulation import Simulation
 
-PERIOD = 0.02
-"""Time [s] between two adaptations of the mixture to the frames."""
+PERIOD = 0.03
+"""Time [s] between two adaptations of the mixture to the frames: as often as a camera looks."""
 
 
 class TimedIntervention(Controller):
@@ -109,7 +108,7 @@ class _Mixture:
         sizes = np.array(model.dims)
         ends = np.cumsum(sizes)
         K, size = model.components, int(ends[-1])
-        self._priors = model.priors
+        self._log_priors = np.log(np.maximum(model.priors, np.finfo(float).tiny))
         self._times = ends - sizes
         self._rows = [slice(e - s + 1, e) for s, e in zip(sizes, ends, strict=True)]
         self._W = np.zeros((K, size, size))
@@ -129,9 +128,27 @@ class _Mixture:
             self._y[rows], self._J[rows, 1:] = y, J
         WJ = self._W @ self._J
         product = self._J.T @ WJ
+        target = ((self._mu - self._y)[:, None] @ WJ).mT
         product[:, 1:, 1:] += precision
-        target = (self._mu - self._y)[:, None] @ WJ
-        target[:, 0, 1:] += information
-        covariance = np.linalg.inv(product)
-        gaussians = Gaussian.trusted((target @ covariance)[:, 0], covariance)
-        return Regression.of(GMM.trusted(self._priors, gaussians)).at(time)
+        target[:, 1:, 0] += information
+        return _regression(self._log_priors, product, target).at(time)
+
+
+def _regression(log_priors, precision, information) -> Regression:
+    """Regression of the other variables on the first, Eqs 14-16, of Gaussians in information form.
+
+    ``precision`` (K, 1 + n, 1 + n) and ``information`` (K, 1 + n, 1).
+    """
+    covariance = np.linalg.inv(precision[:, 1:, 1:])
+    cross = precision[:, :1, 1:]
+    slope = -(covariance @ cross.mT)
+    rest = covariance @ information[:, 1:]
+    input_precision = precision[:, :1, :1] + cross @ slope
+    input_mean = (information[:, :1] - cross @ rest) / input_precision
+    return Regression(
+        input_mean[..., 0],
+        (rest + slope * input_mean)[..., 0],
+        np.concatenate((np.sqrt(input_precision), slope), axis=1),
+        covariance,
+        log_priors + 0.5 * np.log(input_precision[:, 0, 0]),
+    )

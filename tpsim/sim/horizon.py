@@ -27,7 +27,7 @@ TAIL = 1.0
 STRENGTH = 0.5
 """Share of the motors' torque that the hand does not exceed, as after a jump of an object."""
 
-SINGULAR = 5e-3
+SINGULAR = 1e-3
 """Mobility [1/kg], [1/(kg m^2)] below which the arm counts as unable to move its hand."""
 
 INERTIA_STEPS = 4
@@ -175,13 +175,13 @@ class FiniteHorizon(Controller):
         """Torque (m,) of the arm at the joint velocities dq (m,)."""
         robot, arm, J, k, state = self.robot, self._arm, self._J, self._step, self._state
         state[6:12] = J @ dq
-        swivel = self._swivel[k] @ (self._posture[k] - robot.q[arm]) - self._brake[k] @ dq
-        # The hand's force makes up for what swivelling does to the hand.
-        pull = J.T @ (self._inertia @ (self._now @ state - J @ swivel))
+        pull = J.T @ (self._inertia @ (self._now @ state))
         excess = pull * pull @ self._weakest
         if excess > 1:
             pull /= excess**0.5
-        return robot.mass[arm, arm] @ swivel + pull
+        swivel = self._swivel[k] @ (self._posture[k] - robot.q[arm]) - self._brake[k] @ dq
+        # The hand's force makes up for what swivelling does to the hand.
+        return pull + robot.mass[arm, arm] @ swivel - J.T @ (self._inertia @ (J @ swivel))
 
     def impedance(self) -> Impedance:
         """Stiffness, damping and reference of the last :meth:`feedback`."""

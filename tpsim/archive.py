@@ -1,6 +1,5 @@
 """Archives of arrays (.npz): written whole or not at all, read without pickles."""
 
-import os
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -9,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from tpsim.errors import RecordingError
+from tpsim.whole import whole_file
 
 
 def save_arrays(path: str | Path, kind: str, arrays: Mapping[str, np.ndarray]) -> Path:
@@ -24,14 +24,8 @@ def save_arrays(path: str | Path, kind: str, arrays: Mapping[str, np.ndarray]) -
         Numbers or text, no objects.
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with temporary.open("wb") as file:
-            np.savez(file, allow_pickle=False, kind=np.array(kind), **arrays)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with whole_file(path) as file:
+        np.savez(file, allow_pickle=False, kind=np.array(kind), **arrays)
     return path
 
 

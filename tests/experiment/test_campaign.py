@@ -6,7 +6,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from tpsim import tasks
+from tpsim import TPGMM, paths, tasks
 from tpsim.errors import RecordingError, SimulationError
 from tpsim.experiment import campaign, conditions
 from tpsim.experiment.conditions import Condition, Lead
@@ -72,7 +72,7 @@ def test_conditions_survive_being_written_down():
 def test_the_pool_gives_the_same_bits_as_one_process(pushed):
     folder = pushed[1]
     run = load_run(folder)
-    models = {b: campaign.TPGMM.load(folder / f"model-{b}.npz") for b in ("cup", "sugar")}
+    models = {b: TPGMM.load(folder / f"model-{b}.npz") for b in ("cup", "sugar")}
     trial = next(run.trials())
     short = [replace(Condition.from_about(trial.about), duration=0.3) for _ in range(2)]
     runs = [
@@ -86,7 +86,7 @@ def test_the_pool_gives_the_same_bits_as_one_process(pushed):
 
 def test_the_sugar_follows_a_led_hand(pushed):
     folder = pushed[1]
-    models = {b: campaign.TPGMM.load(folder / f"model-{b}.npz") for b in ("cup", "sugar")}
+    models = {b: TPGMM.load(folder / f"model-{b}.npz") for b in ("cup", "sugar")}
     found, twin = study("cup-and-sugar"), next(load_run(folder).trials())
     task = tasks.load("cup-and-sugar")
     rest = Condition.from_about(twin.about).situation
@@ -113,7 +113,7 @@ def test_learn_tells_what_the_teacher_cared_about(tmp_path):
 
 def test_several_components_are_learned_and_performed(tmp_path):
     result = campaign.learn("sugar", components=3, folder=tmp_path)
-    models = {"sugar": campaign.TPGMM.load(tmp_path / "model-sugar.npz")}
+    models = {"sugar": TPGMM.load(tmp_path / "model-sugar.npz")}
     assert models["sugar"].components == result["components"] == 3
     assert (np.diff(models["sugar"].history) >= -1e-9).all()
     task = tasks.load("sugar")
@@ -126,7 +126,7 @@ def test_several_components_are_learned_and_performed(tmp_path):
 
 
 def test_missing_demonstrations_say_how_to_record_some(monkeypatch, tmp_path):
-    monkeypatch.setattr(campaign.paths, "demonstrations", lambda name: tmp_path / name)
+    monkeypatch.setattr(paths, "demonstrations", lambda name: tmp_path / name)
     with pytest.raises(RecordingError, match="tpsim teach cup"):
         campaign.learn("cup", components=1)
 

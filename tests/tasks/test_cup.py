@@ -28,9 +28,9 @@ def by_height():
 
 def test_the_stiff_direction_moves_with_what_the_teacher_fixes(by_height):
     task = tasks.load("cup")
-    from tpsim.experiment.campaign import _taught
+    from tpsim.experiment.teaching import recorded
 
-    level = task.learn(task.simulation(), "cup", _taught(task)["cup"], 1)
+    level = task.learn(task.simulation(), "cup", recorded(task)["cup"], 1)
     height, tilt = 2, [3, 4]
     deviation = {
         name: np.sqrt(np.diag(model.frames[0].covariance[0]))

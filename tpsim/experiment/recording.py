@@ -20,8 +20,8 @@ from tpsim.experiment.summary import plain
 from tpsim.experiment.trial_file import SCHEMA
 from tpsim.experiment.trial_file import load_trial as load_trial
 from tpsim.experiment.trial_file import save_trial as save_trial
-from tpsim.experiment.whole import write_text
 from tpsim.sim.trial import Trial
+from tpsim.whole import write_text
 
 UNITS = {
     "time": "s",

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from tpsim.experiment.canvas import to_svg
 from tpsim.experiment.doctor import versions
 from tpsim.experiment.metrics import Measure
-from tpsim.experiment.whole import write_text
+from tpsim.whole import write_text
 
 NO_FILM = "There is no film. To see why, type tpsim doctor; it was perhaps not asked for."
 

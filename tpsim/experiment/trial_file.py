@@ -13,8 +13,8 @@ import numpy as np
 
 from tpsim.errors import RecordingError
 from tpsim.experiment.summary import plain
-from tpsim.experiment.whole import whole_file
 from tpsim.sim.trial import Trial
+from tpsim.whole import whole_file
 
 SCHEMA = 1
 """Version of the layout of trials and run folders."""

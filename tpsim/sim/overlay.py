@@ -11,7 +11,7 @@ _METRES_PER_NEWTON = 0.011
 _GAP = 0.04  # m between the tip of an arrow and its point
 _SMALLEST_FORCE = 0.1  # N that is shown
 _SEGMENTS = 150  # of a trace, so that its cost does not grow with its length
-_AXIS = 0.045  # m for 500 N/m
+_AXIS = 0.09  # m for 500 N/m
 _SMALLEST, _LARGEST = 0.008, 0.16  # m, of a semi-axis
 
 

@@ -1,0 +1,19 @@
+"""The bench of simulation measures what it names."""
+
+from tpsim import tasks
+from tpsim.bench import simulation
+from tpsim.sim import rendering
+
+
+def test_figures_of_a_task(monkeypatch):
+    monkeypatch.setattr(tasks, "names", lambda: ("pointing",))
+    monkeypatch.setattr(rendering, "backend", lambda: None)
+    figures = simulation.run(quick=True)
+    assert set(figures) == {
+        "pointing_physics_factor",
+        "pointing_realtime_factor",
+        "pointing_environment_steps_per_s",
+    }
+    # Control costs more than physics alone, and physics is faster than real time.
+    assert figures["pointing_physics_factor"] > figures["pointing_realtime_factor"] > 1
+    assert figures["pointing_environment_steps_per_s"] > 100

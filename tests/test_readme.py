@@ -20,6 +20,12 @@ def test_the_twelve_lines_run():
     assert np.median(error) < 0.1
 
 
+def test_another_agent_drives_a_task(capsys):
+    (code,) = re.findall(r"## Another agent.*?```python\n(.*?)```", README.read_text(), re.DOTALL)
+    exec(code, {})
+    assert "25 steps of 0.02 s, reward" in capsys.readouterr().out
+
+
 def test_every_command_it_shows_is_understood():
     from tpsim.commands import parse
 

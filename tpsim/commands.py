@@ -131,8 +131,8 @@ class Push(Reproduce):
     """When the push starts [s]."""
     duration: float = 2.0
     """How long it lasts [s]."""
-    body: str = "left_hand"
-    """Body that is pushed; an unknown name lists all."""
+    body: str | None = None
+    """Body that is pushed (default: the task's hand); an unknown name lists all."""
 
     def check(self) -> None:
         """Check the push."""

@@ -51,11 +51,12 @@ def push(
     force: tuple[float, float, float],
     start: float,
     duration: float,
-    body: str,
+    body: str | None,
     seed: int,
     folder: Path | None = None,
 ) -> dict:
     """Perform a task in an unseen situation, pushed and, beside it, not."""
+    body = tasks.load(task).hand if body is None else body
     return _try(task, situation, seed, folder, Push(body, tuple(force), start, duration))
 
 

@@ -75,7 +75,7 @@ class Pointing(Task):
 
     def __init__(self, name: str, pointer: Pointer):
         self.name, self.behaviours = name, (name,)
-        self.pointer, self.sites = pointer, pointer.sites
+        self.pointer, self.sites, self.hand = pointer, pointer.sites, pointer.site
         self.rest = np.array(pointer.rest)
 
     def simulation(self, xml: str | None = None) -> Simulation:

@@ -56,6 +56,8 @@ class Task:
         Sites that recordings keep, by name.
     duration : float
         Of a performance [s].
+    hand : str
+        Body or site that people push if they do not say where.
     demonstrations, components : int
         How often a whole run teaches each behaviour, and the Gaussians that it learns of it.
     """
@@ -64,6 +66,7 @@ class Task:
     behaviours: tuple[str, ...]
     sites: Mapping[str, str]
     duration: float
+    hand: str = "left_hand"
     demonstrations: int = 6
     components: int = 1
 

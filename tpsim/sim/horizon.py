@@ -27,7 +27,7 @@ TAIL = 1.0
 STRENGTH = 0.5
 """Share of the motors' torque that the hand does not exceed, as after a jump of an object."""
 
-SINGULAR = 1e-3
+SINGULAR = 0.05
 """Mobility [1/kg], [1/(kg m^2)] below which the arm counts as unable to move its hand."""
 
 INERTIA_STEPS = 4
@@ -95,7 +95,6 @@ class FiniteHorizon(Controller):
         self._effort *= effort
         self._weakest = (STRENGTH * robot.torque_limit[self._arm]) ** -2.0
         self._hold, self._seen, self._next_look, self._calls = None, None, 0.0, 0
-        self._state = np.ones(13)
 
     def _torques(self, postures):
         """Inertia (T, m, m) in the taught postures, and |tau|^2 of the hand's acceleration there.
@@ -117,7 +116,8 @@ class FiniteHorizon(Controller):
     @staticmethod
     def _felt_inertia(M, J):
         """Inertia (6, 6) that the hand feels, bounded where the arm is singular."""
-        return np.linalg.inv(J @ dposv(M, J.T)[1] + SINGULAR * np.eye(6))
+        values, V = np.linalg.eigh(J @ dposv(M, J.T)[1])
+        return (V / np.maximum(values, SINGULAR)) @ V.T
 
     def feedback(self) -> np.ndarray:
         """Torque (n,) [Nm] against error and velocity at the robot's last update."""
@@ -165,7 +165,7 @@ class FiniteHorizon(Controller):
         k = min(max(int(since), 0), len(self._slope) - 1)
         self._now = self._law[k] + min(max(since - k, 0.0), 1.0) * self._slope[k]
         self._step = min(k + self._first, self._steps - 1)
-        self._state[:6], J = self._evaluate()
+        self._y, J = self._evaluate()
         self._J = J[:, self._arm]
         if self._calls % INERTIA_STEPS == 0:
             self._inertia = self._felt_inertia(self.robot.mass[self._arm, self._arm], self._J)
@@ -173,15 +173,16 @@ class FiniteHorizon(Controller):
 
     def _torque(self, dq):
         """Torque (m,) of the arm at the joint velocities dq (m,)."""
-        robot, arm, J, k, state = self.robot, self._arm, self._J, self._step, self._state
-        state[6:12] = J @ dq
-        pull = J.T @ (self._inertia @ (self._now @ state))
+        robot, arm, J, law, k = self.robot, self._arm, self._J, self._now, self._step
+        pull = J.T @ (self._inertia @ (law[:, :6] @ self._y + law[:, 12]))
+        # Only what pulls is cut: the brakes must hold what it has set in motion.
         excess = pull * pull @ self._weakest
         if excess > 1:
             pull /= excess**0.5
         swivel = self._swivel[k] @ (self._posture[k] - robot.q[arm]) - self._brake[k] @ dq
         # The hand's force makes up for what swivelling does to the hand.
-        return pull + robot.mass[arm, arm] @ swivel - J.T @ (self._inertia @ (J @ swivel))
+        force = self._inertia @ (law[:, 6:12] @ (J @ dq) - J @ swivel)
+        return pull + J.T @ force + robot.mass[arm, arm] @ swivel
 
     def impedance(self) -> Impedance:
         """Stiffness, damping and reference of the last :meth:`feedback`."""

@@ -255,7 +255,7 @@ def _controller(simulation: Simulation, model: TPGMM) -> FiniteHorizon:
 
 
 def _outcome(trial: Trial) -> str:
-    missed = trial.outcome == "done" and end_error(trial)[0][-1] > MISSED
+    missed = trial.outcome != "diverged" and end_error(trial)[0][-1] > MISSED
     return "unreachable" if missed else trial.outcome
 
 

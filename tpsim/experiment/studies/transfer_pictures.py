@@ -112,9 +112,9 @@ def _clip(scene: str, trial: Trial, title: str, subtitle: str, speed: float = 1.
         for name, wrench in trial.arrays.items()
         if name.endswith("_wrench")
     )
-    ellipsoids = ()
-    if trial["left_hand_stiffness"].any():
-        ellipsoids = (Ellipsoid(trial["left_hand_position"], trial["left_hand_stiffness"]),)
+    # A demonstration has none: the arm is led.
+    stiffness = trial.arrays.get("left_hand_stiffness")
+    ellipsoids = () if stiffness is None else (Ellipsoid(trial["left_hand_position"], stiffness),)
     return Clip(
         scene,
         trial["time"],

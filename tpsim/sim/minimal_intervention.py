@@ -95,13 +95,13 @@ class MinimalIntervention(Controller):
         for evaluate, rows in zip(self._evaluate, self._slices, strict=True):
             self._y[rows], self._J[rows] = evaluate()
         if self._fixed is None:
-            W, Wmu = (sum(terms) for terms in zip(*self._information(), strict=True))
+            self._W, Wmu = (sum(terms) for terms in zip(*self._information(), strict=True))
         else:
-            W, Wmu = self._fixed
+            self._W, Wmu = self._fixed
         self._L = dpotrf(self.robot.mass, lower=1)[0]
         # (J L^-T)^T: the Jacobian with respect to z.
         Jz = dtrtrs(self._L, self._J.T, lower=1)[0]
-        JW = Jz @ W
+        JW = Jz @ self._W
         gradient = Jz @ Wmu - JW @ self._y
         # LAPACK directly: numpy's wrapper costs a third of the call at this size.
         self._eigenvalues, self._V, failed = dsyevd(JW @ Jz.T, overwrite_a=1)

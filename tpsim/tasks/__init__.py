@@ -13,6 +13,7 @@ _ROOMS = {
     "cup-and-sugar": "cup_and_sugar",
     "pointing": "pointing",
     "pointing-baxter": "pointing",
+    "tracking": "tracking",
     "transfer": "transfer",
 }
 

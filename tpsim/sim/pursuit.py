@@ -1,0 +1,74 @@
+"""Minimal intervention towards what moves: the reference has a velocity too."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.linalg.lapack import dgesv
+
+from tpsim.sim.controller import Behaviour
+from tpsim.sim.minimal_intervention import MinimalIntervention
+from tpsim.sim.simulation import Simulation
+
+STEADY = 0.1
+"""Standard deviation [rad] from which on a frame is too vague to lead the joints' velocity."""
+
+
+class Pursuit(MinimalIntervention):
+    """Minimal intervention in frames of moving objects: it damps what lags behind, not what moves.
+
+    The joint velocity that keeps up with all frames solves, in the precisions W of their product,
+
+        (sum_j J_j^T W_j K_j + I / STEADY^2) dq_hat = sum_j J_j^T W_j v_j,
+
+    with the motion ``dy_j = K_j dq - v_j`` of every view. The reference moves with it from one
+    solution to the next, and the torque is ``K (q_hat - q) - D (dq - dq_hat) + bias``.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Gives the time and shows the objects.
+    behaviours : sequence of Behaviour
+        Their coordinates are those of :mod:`tpsim.sim.following`.
+    effort : float
+        Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement.
+    every : int
+        Control steps for which stiffness, damping and velocity last.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        behaviours: Sequence[Behaviour],
+        *,
+        effort: float,
+        every: int = 10,
+    ):
+        super().__init__(simulation.robot, behaviours, effort=effort, every=every)
+        n = simulation.robot.n
+        self._simulation, self._timestep, self._solved = simulation, simulation.timestep, None
+        self._K, self._v = np.zeros_like(self._J), np.zeros_like(self._y)
+        self._steady = np.eye(n) / STEADY**2
+        self._velocity = np.zeros(n)
+
+    def _keep_up(self):
+        """Joint velocity (n,) [rad/s] that keeps up with the frames."""
+        now = self._simulation.time
+        dt = 0.0 if self._solved is None else now - self._solved
+        self._solved = now
+        for view, rows in zip(self._evaluate, self._slices, strict=True):
+            self._K[rows], self._v[rows] = view.motion(dt)
+        JW = self._J.T @ self._W
+        velocity = dgesv(JW @ self._K + self._steady, JW @ self._v)[2]
+        limit = self.robot.velocity_limit
+        return np.minimum(np.maximum(velocity, -limit), limit)
+
+    def feedback(self) -> np.ndarray:
+        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
+        since = self._calls % self._every
+        if since == 0:
+            self._solve()
+            self._now, self._velocity = self._optimum(), self._keep_up()
+        self._calls += 1
+        now, robot = self._now, self.robot
+        reference = now.reference + (since * self._timestep) * self._velocity
+        return now.stiffness @ (reference - robot.q) - now.damping @ (robot.dq - self._velocity)

@@ -38,7 +38,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail(
             f"interrupted; finished trials are kept in {paths.runs()}. To start again: {again}", 1
         )
-    _show(result, as_json=command.json)
+    try:
+        _show(result, as_json=command.json)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # Who reads, has read enough; Python must not complain once more at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return 0
 
 

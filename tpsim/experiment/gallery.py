@@ -29,7 +29,8 @@ def run(name: str) -> dict:
 
 
 def _name(script: Path) -> str:
-    return script.stem.replace("_", "-")
+    """Its name in the tutorial's Table 2."""
+    return script.stem
 
 
 def _title(script: Path) -> str:

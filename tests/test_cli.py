@@ -189,7 +189,7 @@ def test_benchmarks_are_run_by_area(run, monkeypatch):
 def test_demos_are_listed_and_run_by_name(run, monkeypatch, tmp_path):
     monkeypatch.setattr(paths, "DEMOS", tmp_path)
     (tmp_path / "tp_gmm.py").write_text('"""TP-GMM."""\ndef main():\n    return {"x": 1}\n')
-    assert json.loads(run("demo --json")[1]) == {"demos": {"tp_gmm": "TP-GMM."}}
+    assert json.loads(run("demo --json")[1]) == {"demos": ["TP-GMM."]}
     assert json.loads(run("demo tp_gmm --json")[1])["figures"] == {"x": 1}
     assert "did you mean 'tp_gmm'" in run("demo tp_gm")[2]
     assert gallery.titles() == {"tp_gmm": "TP-GMM."}

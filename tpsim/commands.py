@@ -226,7 +226,7 @@ class Demo(Command):
         from tpsim.experiment import gallery
 
         if self.name is None:
-            return {"demos": gallery.titles()}
+            return {"demos": list(gallery.titles().values())}
         known("demo", self.name, gallery.titles())
         return gallery.run(self.name)
 

@@ -82,24 +82,6 @@ class Controller:
         return self.feedback() + self._guard.torque() + self.feedforward
 
 
-def torque_optimal(eigenvalues, V, mass, effort) -> tuple[np.ndarray, np.ndarray]:
-    """Stiffness K_z M and damping D_z M (n, n) of least torque, in closed form.
-
-    With effort ``r |tau|^2``, ``tau = M ddq``, the arm is a unit double integrator in z = M q.
-
-    Parameters
-    ----------
-    eigenvalues, V : (n,), (n, n)
-        Of the precision ``Lambda_z = M^-1 Lambda M^-1``.
-    mass : (n, n)
-        M(q).
-    effort : float
-        Cost r of torque [1/(Nm)^2].
-    """
-    stiffness, right = np.sqrt(eigenvalues / effort), V.T @ mass
-    return (V * stiffness) @ right, (V * np.sqrt(2 * stiffness)) @ right
-
-
 class FixedImpedance(Controller):
     """The same torque law with constant gains about a constant posture: the usual impedance.
 

@@ -6,14 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim import rotation
 from tpsim.control.feedback import Feedback
 from tpsim.control.lqt import lqt
 from tpsim.control.system import LinearSystem
 from tpsim.errors import ArgumentError
-from tpsim.pose import Pose, object_frame
+from tpsim.pose import Pose, coordinates, object_frame
 
-ROUNDS, STILL = 4, 1e-4
-"""Gauss-Newton steps to the product of the frames; it ends when steps [m], [rad] are smaller."""
+ROUNDS, STILL = 4, 5e-3
+"""Gauss-Newton steps to the product of the frames, at most, and the step [m], [rad] after which no
+other is worth while: the error that it leaves is of third order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +41,11 @@ class SeenMovement:
         """The rest of the movement."""
         return SeenMovement(self.mean[first:], self.precision[first:], self.reference)
 
+    def seen_at(self, pose: Pose, common_reference) -> np.ndarray:
+        """Mean (T, 6) in common coordinates, if the object alone is trusted."""
+        (R, p), turned = pose, rotation.exp(self.mean[:, 3:]) @ self.reference
+        return coordinates((R @ turned, p + self.mean[:, :3] @ R.T), common_reference)
+
     def placed(self, pose: Pose, common_reference, near) -> tuple[np.ndarray, np.ndarray]:
         """Mean (T, 6) and precision (T, 6, 6) in common coordinates, Eq. (4), affine about near."""
         frame = object_frame(pose, self.reference, common_reference, near)
@@ -52,14 +59,15 @@ def fuse_poses(
     """Means (P, T, 6) and precisions (P, T, 6, 6) in common coordinates, and their product (T, 6).
 
     Orientation makes the frames affine only about a pose (:mod:`tpsim.pose`): they are taken about
-    the mean of their own product, Eqs (5)-(6), found by Gauss-Newton from ``near (T, 6)``.
+    the mean of their own product, Eqs (5)-(6), found by Gauss-Newton from ``near (T, 6)``, by
+    default what the last object saw.
     """
     if not movements or len(movements) != len(objects) or len({len(m) for m in movements}) > 1:
         raise ArgumentError(
             f"{len(movements)} movements are seen from {len(objects)} objects; give one for each, "
             "all of the same length"
         )
-    fused = np.zeros((len(movements[0]), 6)) if near is None else near
+    fused = movements[-1].seen_at(objects[-1], common_reference) if near is None else near
     for _ in range(ROUNDS):
         placed = [
             m.placed(o, common_reference, fused) for m, o in zip(movements, objects, strict=True)

@@ -21,7 +21,7 @@ LOOK = 0.1
 MOVED = 1e-5
 """Change of an object's position [m] or quaternion that counts as motion."""
 
-TAIL = 1.0
+TAIL = 0.6
 """Time [s] for which a plan goes on beyond the movement's end, which then lasts."""
 
 STRENGTH = 0.5
@@ -30,8 +30,11 @@ STRENGTH = 0.5
 SINGULAR = 0.05
 """Mobility [1/kg], [1/(kg m^2)] below which the arm counts as unable to move its hand."""
 
-INERTIA_STEPS = 4
-"""Time steps for which the inertia that the hand feels is kept: it changes slowly."""
+PERIOD = 8
+"""Time steps for which the arm's inertia and damping are kept: they change slowly."""
+
+POSTURES = 40
+"""Number of taught postures in which the cost of torque is computed, at least."""
 
 HOLD = 400.0
 """Stiffness [1/s^2] of the joints that do not belong to the arm."""
@@ -90,28 +93,32 @@ class FiniteHorizon(Controller):
         self._system, self._dt = integrator(6, dt, exact=True), dt
         self._steps, self._tail = len(movements[0]), round(TAIL / dt)
         self._posture = posture.mean
-        mass, self._effort = self._torques(posture.mean)
-        self._swivel, self._brake = impedance(posture.precision, effort * mass @ mass)
-        self._effort *= effort
+        # The costs of torque change slowly: one posture stands for some of its neighbours.
+        some = posture[:: max(1, self._steps // POSTURES)]
+        near = np.linspace(0, len(some.mean) - 1, self._steps).round().astype(int)
+        mass, cost = self._torques(some.mean)
+        swivels = impedance(some.precision, effort * mass @ mass)
+        self._swivels, self._swivel_brakes = (gains[near] for gains in swivels)
+        self._effort = effort * cost[near]
         self._weakest = (STRENGTH * robot.torque_limit[self._arm]) ** -2.0
         self._hold, self._seen, self._next_look, self._calls = None, None, 0.0, 0
 
     def _torques(self, postures):
-        """Inertia (T, m, m) in the taught postures, and |tau|^2 of the hand's acceleration there.
+        """Inertia (T, m, m) in postures, and |tau|^2 of the hand's acceleration there.
 
         The latter (T, 6, 6) is ``L J J^T L`` with L the inertia that the hand feels.
         """
         robot, arm = self.robot, self._arm
-        q, site = robot.lower.clip(-1, 1) * 0, robot.site(self._site)
-        masses, efforts = [], []
+        q, site = np.zeros(robot.n), robot.site(self._site)
+        masses, costs = [], []
         for posture in postures:
             q[arm] = posture
             robot.update(q, 0 * q)
             M, J = robot.mass[arm, arm], robot.jacobian(site)[:, arm]
             inertia = self._felt_inertia(M, J)
             masses.append(M)
-            efforts.append(inertia @ J @ J.T @ inertia)
-        return np.array(masses), np.array(efforts)
+            costs.append(inertia @ J @ J.T @ inertia)
+        return np.array(masses), np.array(costs)
 
     @staticmethod
     def _felt_inertia(M, J):
@@ -128,7 +135,7 @@ class FiniteHorizon(Controller):
             self._look()
         self._observe()
         torque = self._hold.feedback()
-        torque[arm] = self._torque(robot.dq[arm])
+        torque[arm] = self._pull() - self._damping @ robot.dq[arm]
         return torque
 
     def _look(self):
@@ -155,45 +162,49 @@ class FiniteHorizon(Controller):
             for part in (means, precisions, effort[None])
         )
         feedback = track_poses(means, precisions, self._system, effort)
-        law = np.dstack([-feedback.gain, feedback.feedforward])[: len(rest[0]) + 1]
-        self._first, self._law, self._slope = first, law, np.diff(law, axis=0)
+        kept = slice(len(rest[0]) + 1)
+        self._first, self._brakes = first, feedback.gain[kept, :, 6:]
+        self._springs = np.dstack([-feedback.gain[..., :6], feedback.feedforward])[kept]
+        self._slopes = np.diff(self._springs, axis=0)
         self._evaluate = HandPose("hand", self._site, tuple(reference.ravel())).bind(self.robot)
 
     def _observe(self):
         """Find the law of this moment, linear between two steps, and the state of the hand."""
         since = self._simulation.time / self._dt - self._first
-        k = min(max(int(since), 0), len(self._slope) - 1)
-        self._now = self._law[k] + min(max(since - k, 0.0), 1.0) * self._slope[k]
-        self._step = min(k + self._first, self._steps - 1)
+        k = min(max(int(since), 0), len(self._slopes) - 1)
+        self._spring = self._springs[k] + min(max(since - k, 0.0), 1.0) * self._slopes[k]
         self._y, J = self._evaluate()
-        self._J = J[:, self._arm]
-        if self._calls % INERTIA_STEPS == 0:
-            self._inertia = self._felt_inertia(self.robot.mass[self._arm, self._arm], self._J)
+        if self._calls % PERIOD == 0:
+            self._grip(k, J[:, self._arm])
         self._calls += 1
 
-    def _torque(self, dq):
-        """Torque (m,) of the arm at the joint velocities dq (m,)."""
-        robot, arm, J, law, k = self.robot, self._arm, self._J, self._now, self._step
-        pull = J.T @ (self._inertia @ (law[:, :6] @ self._y + law[:, 12]))
+    def _grip(self, k, J):
+        """Bring the law into joint space for a while: from the hand's force to torques.
+
+        Swivelling is left to the nullspace ``M - J^T L J``, in which it moves no hand.
+        """
+        M, step = self.robot.mass[self._arm, self._arm], min(k + self._first, self._steps - 1)
+        lever = J.T @ self._felt_inertia(M, J)
+        null = M - lever @ J
+        self._J, self._lever, self._wanted = J, lever, self._posture[step]
+        self._swivel = null @ self._swivels[step]
+        self._damping = null @ self._swivel_brakes[step] + lever @ self._brakes[k] @ J
+
+    def _pull(self):
+        """Torque (m,) of the arm that does not depend on its velocity."""
+        pull = self._lever @ (self._spring[:, :6] @ self._y + self._spring[:, 6])
         # Only what pulls is cut: the brakes must hold what it has set in motion.
         excess = pull * pull @ self._weakest
         if excess > 1:
             pull /= excess**0.5
-        swivel = self._swivel[k] @ (self._posture[k] - robot.q[arm]) - self._brake[k] @ dq
-        # The hand's force makes up for what swivelling does to the hand.
-        force = self._inertia @ (law[:, 6:12] @ (J @ dq) - J @ swivel)
-        return pull + J.T @ force + robot.mass[arm, arm] @ swivel
+        return pull + self._swivel @ (self._wanted - self.robot.q[self._arm])
 
     def impedance(self) -> Impedance:
         """Stiffness, damping and reference of the last :meth:`feedback`."""
-        arm, J, k = self._arm, self._J, self._step
-        held = self._hold.impedance()
+        arm, held = self._arm, self._hold.impedance()
         stiffness, damping, reference = held.stiffness, held.damping, held.reference.copy()
-        M = self.robot.mass[arm, arm]
-        force = J.T @ self._inertia
-        null = M - force @ J
-        stiffness[arm, arm] = null @ self._swivel[k] - force @ self._now[:, :6] @ J
-        damping[arm, arm] = null @ self._brake[k] - force @ self._now[:, 6:12] @ J
-        pull = self._torque(np.zeros(len(M)))
-        reference[arm] = self.robot.q[arm] + np.linalg.solve(stiffness[arm, arm], pull)
+        stiffness[arm, arm] = self._swivel - self._lever @ self._spring[:, :6] @ self._J
+        damping[arm, arm] = self._damping
+        away = np.linalg.solve(stiffness[arm, arm], self._pull())
+        reference[arm] = self.robot.q[arm] + away
         return Impedance(stiffness, damping, reference)

@@ -24,8 +24,8 @@ MOVED = 1e-5
 TAIL = 0.6
 """Time [s] for which a plan goes on beyond the movement's end, which then lasts."""
 
-STRENGTH = 0.5
-"""Share of the motors' torque that the hand does not exceed, as after a jump of an object."""
+STRENGTH = 0.3
+"""Share of the motors' torque that springs do not exceed, as after a jump of an object."""
 
 SINGULAR = 0.05
 """Mobility [1/kg], [1/(kg m^2)] below which the arm counts as unable to move its hand."""
@@ -193,11 +193,10 @@ class FiniteHorizon(Controller):
     def _pull(self):
         """Torque (m,) of the arm that does not depend on its velocity."""
         pull = self._lever @ (self._spring[:, :6] @ self._y + self._spring[:, 6])
+        pull += self._swivel @ (self._wanted - self.robot.q[self._arm])
         # Only what pulls is cut: the brakes must hold what it has set in motion.
         excess = pull * pull @ self._weakest
-        if excess > 1:
-            pull /= excess**0.5
-        return pull + self._swivel @ (self._wanted - self.robot.q[self._arm])
+        return pull if excess <= 1 else pull / excess**0.5
 
     def impedance(self) -> Impedance:
         """Stiffness, damping and reference of the last :meth:`feedback`."""

@@ -51,8 +51,8 @@ EFFORT = 0.05
 ARRIVED = {"position": 0.005, "orientation": float(np.radians(3.0))}
 """Distance [m] and angle [rad] from the place in the second dock at which the hand is there."""
 
-MISSED = 0.05
-"""Distance [m] from the second dock at which the hand counts as unable to reach it."""
+MISSED = 10.0
+"""How many times farther than that the hand counts as unable to reach it."""
 
 PARTS = {"position": slice(0, 3), "orientation": slice(3, 6)}
 """Of a pose. Apart, since a few demonstrations do not show how they depend on each other."""
@@ -255,7 +255,9 @@ def _controller(simulation: Simulation, model: TPGMM) -> FiniteHorizon:
 
 
 def _outcome(trial: Trial) -> str:
-    missed = trial.outcome != "diverged" and end_error(trial)[0][-1] > MISSED
+    errors = zip(end_error(trial), ARRIVED.values(), strict=True)
+    missed = any(error[-1] > MISSED * enough for error, enough in errors)
+    missed &= trial.outcome != "diverged"
     return "unreachable" if missed else trial.outcome
 
 

@@ -16,8 +16,13 @@ from tpsim.sim.video import Arrow, Clip, Ellipsoid
 from tpsim.tasks import docks
 from tpsim.tasks.transfer import end_error
 
+SITUATIONS = 3
+"""Number of situations whose paths are drawn."""
+
 DRAWN = 0.3
 """Size of a dock on paper, of the U that :func:`draw_frames` draws."""
+
+DEMONSTRATION = "Demonstration: from dock to dock"
 
 _TEXTS = {
     "unpushed": "as taught",
@@ -48,7 +53,7 @@ def sections(records, models) -> list[Section]:
 
 
 _PATHS = (
-    "Where the hand went, seen from above, in up to four situations of each kind; the docks as U "
+    "Where the hand went, seen from above, in some situations of each kind; the docks as U "
     "in their last place. Grey is the teacher's own demonstration for the same situation, which "
     "the model was not shown."
 )
@@ -70,9 +75,9 @@ def _paths(records, groups: Mapping[str, Sequence[Trial]]):
     figure, axes = new_figure(columns=len(groups), height=3.4)
     for axis, (text, trials) in zip(axes, groups.items(), strict=True):
         taught = select(records, "unpushed", "teacher") if text == _TEXTS["unpushed"] else []
-        for trial in taught[:4]:
+        for trial in taught[:SITUATIONS]:
             axis.plot(*trial["left_hand_position"][:, :2].T, color=INK, lw=3, alpha=0.25)
-        for trial in trials[:4]:
+        for trial in trials[:SITUATIONS]:
             axis.plot(*trial["left_hand_position"][:, :2].T, color=PALETTE[0], lw=1.4)
             draw_frames(axis, [_from_above(trial, name) for name in docks.NAMES])
         axis.set_title(text, color=INK, fontsize=9.5, loc="left", fontweight="bold")
@@ -91,7 +96,7 @@ def clips(simulation, models, records, demonstrations: Mapping[str, Sequence[Tri
     shown = []
     for trials in demonstrations.values():
         if trials:
-            caption = "Demonstration: from dock to dock", "the weightless arm is led by hand"
+            caption = DEMONSTRATION, "the weightless arm is led by hand"
             shown.append(_clip(simulation.xml, trials[0], *caption, speed=2.0))
     for label, subtitle in (
         ("unpushed", "docks where they never were"),
@@ -112,9 +117,10 @@ def _clip(scene: str, trial: Trial, title: str, subtitle: str, speed: float = 1.
         for name, wrench in trial.arrays.items()
         if name.endswith("_wrench")
     )
-    # A demonstration has none: the arm is led.
-    stiffness = trial.arrays.get("left_hand_stiffness")
-    ellipsoids = () if stiffness is None else (Ellipsoid(trial["left_hand_position"], stiffness),)
+    # It would hide the docks where nothing shows that the hand is soft.
+    ellipsoids = ()
+    if trial["push_wrench"].any() and title != DEMONSTRATION:
+        ellipsoids = (Ellipsoid(trial["left_hand_position"], trial["left_hand_stiffness"]),)
     return Clip(
         scene,
         trial["time"],
@@ -128,5 +134,6 @@ def _clip(scene: str, trial: Trial, title: str, subtitle: str, speed: float = 1.
             name: np.hstack([trial[f"{name}_position"], trial[f"{name}_quaternion"]])
             for name in docks.NAMES
         },
+        camera="hands",
         speed=speed,
     )

@@ -43,5 +43,5 @@ def test_demo_returns_finite_numbers(script):
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_demo_is_short_and_named_like_its_row_of_table_2(script):
     assert len(script.read_text().splitlines()) <= LINES
-    title = gallery.titles()[script.stem.replace("_", "-")]
+    title = gallery.titles()[script.stem]
     assert title.startswith(f"{script.stem}: ")

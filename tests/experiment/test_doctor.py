@@ -30,9 +30,9 @@ def test_demos_are_listed_and_run(monkeypatch, tmp_path):
         '"""Title: one.\n\nMore."""\ndef main():\n return {"x": 1}'
     )
     (tmp_path / "_shared.py").write_text("")
-    assert gallery.titles() == {"demo-one": "Title: one."}
-    assert gallery.run("demo-one") == {
-        "demo": "demo-one",
+    assert gallery.titles() == {"demo_one": "Title: one."}
+    assert gallery.run("demo_one") == {
+        "demo": "demo_one",
         "title": "Title: one.",
         "figures": {"x": 1},
     }

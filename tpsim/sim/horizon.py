@@ -167,6 +167,7 @@ class FiniteHorizon(Controller):
         self._springs = np.dstack([-feedback.gain[..., :6], feedback.feedforward])[kept]
         self._slopes = np.diff(self._springs, axis=0)
         self._evaluate = HandPose("hand", self._site, tuple(reference.ravel())).bind(self.robot)
+        self._calls = 0
 
     def _observe(self):
         """Find the law of this moment, linear between two steps, and the state of the hand."""

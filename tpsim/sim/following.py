@@ -136,13 +136,15 @@ class _Following:
 
 class _Beneath:
     def __init__(self, robot, coordinate):
-        self._first, self._second = coordinate.first.bind(robot), coordinate.second.bind(robot)
+        self._robot, self._first = robot, robot.site(coordinate.first.site)
+        self._second, self._all = coordinate.second.bind(robot), np.eye(2)
 
     def __call__(self):
-        (_, J), (e, J_second) = self._first(), self._second()
+        # A nullspace is the same from all axes: the first object need not be looked at.
+        (e, J_second), J = self._second(), self._robot.jacobian(self._first)[:2]
         beneath = J_second - J_second @ J.T @ _inverse(J @ J.T, DAMPING**2) @ J
         s = DAMPING**2 + BEND * hypot(*e.tolist())
-        self._free = np.eye(2) - s * _inverse(beneath @ beneath.T, s)
+        self._free = self._all - s * _inverse(beneath @ beneath.T, s)
         return self._free @ e, beneath
 
     def motion(self, dt: float) -> Motion:
@@ -154,20 +156,20 @@ class _Beneath:
 class _Posture:
     def __init__(self, robot, coordinate):
         self._robot = robot
-        self._first = [hand.bind(robot) for hand in coordinate.first]
+        self._first = [robot.site(hand.site) for hand in coordinate.first]
         self._index = [robot.joints.index(joint) for joint in coordinate.joints]
         self._damping = DAMPING**2 * np.eye(2 * len(self._first))
-        self._rows = np.eye(robot.n)[self._index]
+        self._rows, self._rest = np.eye(robot.n)[self._index], np.zeros(len(self._index))
 
     def __call__(self):
-        J = np.vstack([hand()[1] for hand in self._first])
+        J = np.concatenate([self._robot.jacobian(site)[:2] for site in self._first])
         lift = dposv(J @ J.T + self._damping, J)[1]
         self._N = self._rows - J[:, self._index].T @ lift
         return self._robot.q[self._index], self._N
 
     def motion(self, dt: float) -> Motion:
         """K (d, n) and v (d,): a posture rests."""
-        return self._N, np.zeros(len(self._index))
+        return self._N, self._rest
 
 
 def _inverse(G, s):

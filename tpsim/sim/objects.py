@@ -75,10 +75,11 @@ class ObjectPath:
         via, p = np.array(self.times), np.array(self.positions)
         span = via[after] - via[before]
         share = np.clip((times - via[before]) / np.where(span > 0, span, 1.0), 0.0, 1.0)[:, None]
-        R = rotation.from_quaternion(np.array(self.quaternions))
-        turn = rotation.log(R[after] @ R[before].mT)
-        turned = rotation.to_quaternion(rotation.exp(share * turn) @ R[before])
-        return p[before] + share * (p[after] - p[before]), rotation.continuous(turned)
+        turned = np.array(self.quaternions)
+        turned = rotation.continuous(turned / np.linalg.norm(turned, axis=1, keepdims=True))
+        return p[before] + share * (p[after] - p[before]), _slerp(
+            turned[before], turned[after], share
+        )
 
     def bind(self, simulation: Simulation) -> "BoundObject":
         """The path in one simulation, its name looked up and its poses computed."""
@@ -103,3 +104,13 @@ class BoundObject:
         """Move the object to its pose at this time step."""
         if step < len(self._positions):
             self._position[:], self._quaternion[:] = self._positions[step], self._quaternions[step]
+
+
+def _slerp(one, other, share):
+    """Quaternions (T, 4) that turn evenly from one to another of the same half sphere."""
+    angle = np.arccos(np.clip((one * other).sum(-1, keepdims=True), -1.0, 1.0))
+    # Of a turn so small that its sine vanishes, the chord is the arc.
+    sine = np.where(angle > 1e-6, np.sin(angle), 1.0)
+    left = np.where(angle > 1e-6, np.sin((1 - share) * angle), 1 - share) / sine
+    right = np.where(angle > 1e-6, np.sin(share * angle), share) / sine
+    return left * one + right * other

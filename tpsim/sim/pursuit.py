@@ -5,12 +5,16 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
-from tpsim.sim.controller import Behaviour
+from tpsim.sim.controller import Behaviour, Impedance
 from tpsim.sim.minimal_intervention import MinimalIntervention
 from tpsim.sim.simulation import Simulation
 
 STEADY = 0.1
 """Standard deviation [rad] from which on a frame is too vague to lead the joints' velocity."""
+
+
+STRENGTH = 0.6
+"""Share of the motors' torque that springs do not exceed: the rest is left for brakes."""
 
 
 class Pursuit(MinimalIntervention):
@@ -41,14 +45,26 @@ class Pursuit(MinimalIntervention):
         behaviours: Sequence[Behaviour],
         *,
         effort: float,
-        every: int = 10,
+        every: int = 15,
     ):
         super().__init__(simulation.robot, behaviours, effort=effort, every=every)
         n = simulation.robot.n
         self._simulation, self._timestep, self._solved = simulation, simulation.timestep, None
         self._K, self._v = np.zeros_like(self._J), np.zeros_like(self._y)
         self._steady = np.eye(n) / STEADY**2
-        self._velocity = np.zeros(n)
+        self._pull, self._lead = np.zeros(n), np.zeros(n)
+
+    def _optimum(self) -> Impedance:
+        now, robot = super()._optimum(), self.robot
+        self._aim = np.minimum(np.maximum(now.reference, robot.lower), robot.upper)
+        pull = now.stiffness @ (self._aim - robot.q)
+        # At this speed spring and damper are in balance.
+        speed = dgesv(now.damping, pull)[2]
+        share = np.abs(pull) / (STRENGTH * robot.torque_limit)
+        excess = max(share.max(), (np.abs(speed) / robot.velocity_limit).max())
+        if excess <= 1:
+            return now
+        return Impedance(now.stiffness / excess, now.damping, now.reference)
 
     def _keep_up(self):
         """Joint velocity (n,) [rad/s] that keeps up with the frames."""
@@ -67,8 +83,11 @@ class Pursuit(MinimalIntervention):
         since = self._calls % self._every
         if since == 0:
             self._solve()
-            self._now, self._velocity = self._optimum(), self._keep_up()
+            now, velocity = self._optimum(), self._keep_up()
+            self._now = now
+            self._pull = now.stiffness @ self._aim + now.damping @ velocity
+            self._lead = now.stiffness @ (self._timestep * velocity)
         self._calls += 1
         now, robot = self._now, self.robot
-        reference = now.reference + (since * self._timestep) * self._velocity
-        return now.stiffness @ (reference - robot.q) - now.damping @ (robot.dq - self._velocity)
+        wanted = self._pull + since * self._lead
+        return wanted - now.stiffness @ robot.q - now.damping @ robot.dq

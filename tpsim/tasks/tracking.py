@@ -59,13 +59,13 @@ FLOOR = -0.054
 PERIOD = 0.05
 """Time between two points of an object's path [s]."""
 
-SHORT, SMOOTH = 0.005, 0.004
+SHORT, SMOOTH = 0.003, 0.003
 """How much of an arm's length the teacher keeps it from being stretched, and how softly [m]."""
 
 FADE = 0.5
 """Time [s] over which a teacher's hand begins to wander."""
 
-EFFORT = 0.002
+EFFORT = 0.0007
 """Cost of acceleration [s^4/(kg m^2)]: the one number that sets how soft the robot is."""
 
 REACHED = 0.01

@@ -1,0 +1,246 @@
+"""The study of tracking: unseen paths of two objects, each followed as each teaching has it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tpsim.experiment import plot
+from tpsim.experiment.conditions import Condition
+from tpsim.experiment.metrics import Measure
+from tpsim.experiment.report import Picture, Section
+from tpsim.experiment.studies.study import Phases, Records, Study
+from tpsim.sim.push import Push
+from tpsim.sim.trial import Trial
+from tpsim.sim.video import Arrow, Clip
+from tpsim.tasks.leaning import Body
+from tpsim.tasks.tracking import SECONDS, SIDES, VIAS
+
+PUSH = 10.0
+"""Force [N] on one of the hands, for two seconds."""
+
+EARLIER = (0.5, 1.5)
+"""How long before the objects are at a via a push begins, drawn from this range [s]."""
+
+CAPTIONS = {
+    "left": "the left hand has priority",
+    "right": "the right hand has priority",
+    "compromise": "both hands stay away alike",
+}
+"""What each teaching shows."""
+
+
+def distance(trial: Trial, side: str) -> np.ndarray:
+    """Distance (T,) [m] of a hand from its object."""
+    way = trial[f"{side}_position"] - trial[f"{side}_object_position"]
+    return np.linalg.norm(way[:, :2], axis=1)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How one trial followed both objects, hand by hand.
+
+    Parameters
+    ----------
+    together : dict of str to float
+        Distance [m] to the object while both are in reach, rms.
+    apart : dict of str to float
+        The same while they are not.
+    ratio : dict of str to float
+        Mean distance while they are not, over the one that the teaching asks for; NaN where it
+        asks for none.
+    """
+
+    together: Mapping[str, float]
+    apart: Mapping[str, float]
+    ratio: Mapping[str, float]
+
+    @classmethod
+    def of(cls, trial: Trial, body: Body, teaching: str) -> "Outcome":
+        """Compare a trial with what the body can reach at most, and with the teacher's choice."""
+        points = {side: trial[f"{side}_object_position"][:, :2] for side in SIDES}
+        angle, apart = body.lean(points["left"], points["right"], teaching)
+        reached = {side: distance(trial, side) for side in SIDES}
+        least = {side: body.missing(angle, points[side])[apart].sum() for side in SIDES}
+        return cls(
+            {side: _rms(away[~apart]) for side, away in reached.items()},
+            {side: _rms(away[apart]) for side, away in reached.items()},
+            {
+                side: float(away[apart].sum() / least[side]) if least[side] > 1e-6 else np.nan
+                for side, away in reached.items()
+            },
+        )
+
+
+def _rms(values):
+    return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
+
+
+class TrackingStudy(Study):
+    """Unseen paths of both objects, followed as each of the three teachings has it; pushes."""
+
+    title = "Tracking two objects with priorities"
+    lead = (
+        "Two hands that share a trunk were led after two moving objects, which at times could not "
+        "both be reached. The teacher then gave priority to the left hand, to the right hand, or "
+        "to neither. Who gives way was found in the demonstrations alone: it is how precise they "
+        "are in four candidate frames, each hand seen from its object, and each in the nullspace "
+        "of the other."
+    )
+
+    def __init__(self, task):
+        super().__init__(task)
+        self._body = Body.of(task.simulation())
+
+    def phases(self, simulation, models, seed, situations, pushes) -> Phases:
+        """Every situation by every teaching; the pushes go round the teachings."""
+        conditions, teachings = [], self.task.behaviours
+        for index in range(situations):
+            situation = self.task.situation(simulation, seed, index)
+            rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(4, index)))
+            conditions += [Condition("unpushed", situation, teaching) for teaching in teachings]
+            for k in range(pushes):
+                teaching, turn = teachings[k % len(teachings)], k // len(teachings)
+                # In turn when the objects are farthest from each other, and when they are not.
+                via = 1 + (2 * rng.integers(VIAS // 2) if turn % 2 == 0 else 1)
+                conditions.append(
+                    Condition("pushed", situation, teaching, push=_push(rng, int(via)))
+                )
+        yield conditions
+
+    def _teaching(self, condition) -> str:
+        names = self.task.behaviours
+        return condition.controller if condition.controller in names else names[0]
+
+    def figures(self, records: Records, models) -> dict:
+        """Distances of the hands; the worst of all trials that there are."""
+        figures = {}
+        for label, suffix in (("unpushed", ""), ("pushed", "_pushed")):
+            found = [
+                (self._teaching(c), Outcome.of(t, self._body, self._teaching(c)))
+                for c, t in records
+                if c.label == label
+            ]
+            figures |= _worst(found, suffix)
+        trials = [trial for _, trial in records]
+        return figures | {
+            "saturated_steps": int(sum(t["saturated_steps"][-1] for t in trials)),
+            "unreachable_samples": int(sum(t["beyond_limits"].any(1).sum() for t in trials)),
+            "diverged": sum(t.outcome == "diverged" for t in trials),
+            "contacts": sum(t.outcome == "contact" for t in trials),
+        }
+
+    def measures(self, figures) -> list[Measure]:
+        """The figures in words, with the limits that the project set itself."""
+        return [
+            Measure(words, figures[name], unit, limit, at_least)
+            for name, words, unit, limit, at_least in _WORDS
+            if name in figures
+        ]
+
+    def sections(self, records: Records, models) -> list[Section]:
+        """Distance of each hand from its object over time, teaching by teaching."""
+        sections = []
+        for label, words in (("unpushed", ""), ("pushed", ", pushed")):
+            groups = {
+                CAPTIONS[teaching]: trials
+                for teaching in self.task.behaviours
+                if (trials := self._select(records, label, teaching))
+            }
+            for side in SIDES if groups else ():
+
+                def away(trial, side=side):
+                    return 1e3 * distance(trial, side)
+
+                figure = plot.panels(groups, away, label="distance [mm]")
+                title = f"Distance of the {side} hand from its object{words}"
+                sections.append(Section(title, _DISTANCE, [Picture(figure)]))
+        return sections
+
+    def _select(self, records, label, teaching) -> list[Trial]:
+        return [t for c, t in records if c.label == label and self._teaching(c) == teaching]
+
+    def clips(
+        self, simulation, models, records, demonstrations: Mapping[str, Sequence[Trial]]
+    ) -> list[Clip]:
+        """A demonstration and a reproduction of every teaching, and a push."""
+        scene, shown = simulation.xml, []
+        for teaching in self.task.behaviours:
+            if trials := demonstrations.get(teaching):
+                shown.append(_clip(scene, trials[0], "Demonstration", CAPTIONS[teaching], 3.0))
+            if trials := self._select(records, "unpushed", teaching):
+                shown.append(_clip(scene, trials[-1], "Reproduction", CAPTIONS[teaching], 2.0))
+        for teaching in self.task.behaviours[-1:]:
+            if trials := self._select(records, "pushed", teaching):
+                words = "a person pushes with 10 N"
+                shown.append(_clip(scene, trials[-1], "Reproduction", words, 1.0))
+        return shown
+
+
+def _push(rng, via) -> Push:
+    """Somewhere in the plane on one of the hands, about the time of a via."""
+    bearing = rng.uniform(0, 2 * np.pi)
+    force = (PUSH * np.cos(bearing), PUSH * np.sin(bearing), 0.0)
+    start = via * SECONDS / (VIAS - 1) - rng.uniform(*EARLIER)
+    return Push(f"{SIDES[rng.integers(2)]}_hand", force, start=start)
+
+
+def _worst(outcomes: Sequence[tuple[str, Outcome]], suffix: str) -> dict:
+    """Figures of trials and their teachings: the worst of each kind, in mm and as ratios."""
+    together = [1e3 * away for _, o in outcomes for away in o.together.values()]
+    decided = [(o, side) for side, o in outcomes if side in SIDES]
+    first = [1e3 * o.apart[side] for o, side in decided]
+    other = [o.ratio[SIDES[1 - SIDES.index(side)]] for o, side in decided]
+    split = [abs(r - 1) for name, o in outcomes if name not in SIDES for r in o.ratio.values()]
+    figures = {
+        "rms_mm": together,
+        "priority_rms_mm": first,
+        "other_distance_ratio": [ratio for ratio in other if np.isfinite(ratio)],
+        "compromise_ratio": [ratio for ratio in split if np.isfinite(ratio)],
+    }
+    return {
+        name.replace("_mm", f"{suffix}_mm") if "_mm" in name else name + suffix: max(values)
+        for name, values in figures.items()
+        if values
+    }
+
+
+def _clip(scene: str, trial: Trial, title: str, subtitle: str, speed: float) -> Clip:
+    arrows = tuple(
+        Arrow(trial[name.replace("_wrench", "_point")], wrench[:, :3])
+        for name, wrench in trial.arrays.items()
+        if name.endswith("_wrench")
+    )
+    objects = {
+        name: np.hstack([trial[f"{name}_position"], trial[f"{name}_quaternion"]])
+        for name in (f"{side}_object" for side in SIDES)
+    }
+    clock, q = trial["time"], trial["q"]
+    return Clip(scene, clock, q, title, subtitle, arrows, objects=objects, speed=speed)
+
+
+_DISTANCE = (
+    "Thin lines are trials, the thick one is their median. The objects are together at the start, "
+    "in the middle and at the end, and too far apart for both hands between."
+)
+
+_WORDS = (
+    ("rms_mm", "Both objects in reach: distance of a hand, rms, worst", "mm", 10.0, False),
+    ("rms_pushed_mm", "Both in reach, pushed with 10 N", "mm", 10.0, False),
+    ("priority_rms_mm", "Not both: distance of the first hand, rms, worst", "mm", 15.0, False),
+    ("priority_rms_pushed_mm", "The first hand, pushed with 10 N", "mm", 15.0, False),
+    ("other_distance_ratio", "The other hand, over the least possible, worst", "", 1.1, False),
+    ("other_distance_ratio_pushed", "The other hand, pushed with 10 N", "", 1.1, False),
+    ("compromise_ratio", "A compromise: off the taught split, worst", "", 0.15, False),
+    ("compromise_ratio_pushed", "A compromise, pushed with 10 N", "", 0.15, False),
+    ("saturated_steps", "Time steps with a saturated motor", "", None, False),
+    ("unreachable_samples", "Samples that asked for a posture beyond limits", "", None, False),
+    ("diverged", "Diverged trials", "", 0, False),
+    ("contacts", "Trials in which something touched", "", 0, False),
+    ("realtime_factor", "Faster than real time, one core", "x", 25.0, True),
+)
+
+
+def study(task) -> TrackingStudy:
+    """The study of ``tracking``."""
+    return TrackingStudy(task)

@@ -12,6 +12,7 @@ from tpsim.experiment.studies.tracking import Outcome, distance
 from tpsim.sim.objects import ObjectPath
 from tpsim.sim.teach import teach
 from tpsim.tasks.leaning import Body
+from tpsim.tasks.tracking import BEHAVIOURS, teaching
 
 LEFT, RIGHT_BENEATH_LEFT, LEFT_BENEATH_RIGHT, RIGHT, _ = range(5)
 
@@ -39,13 +40,13 @@ def deviations(model):
     return [float(np.sqrt(gaussian.covariance[0, 0, 0])) for gaussian in model.frames]
 
 
-@pytest.mark.parametrize("teaching", ["left", "right", "compromise"])
-def test_the_teacher_leads_both_hands_as_well_as_the_body_allows(taught, teaching):
+@pytest.mark.parametrize("name", BEHAVIOURS)
+def test_the_teacher_leads_both_hands_as_well_as_the_body_allows(taught, name):
     _, simulation, _, trials = taught
     body = Body.of(simulation)
-    for trial in trials[teaching]:
+    for trial in trials[name]:
         points = [trial[f"{side}_object_position"][:, :2] for side in ("left", "right")]
-        angle, apart = body.lean(*points, teaching)
+        angle, apart = body.lean(*points, teaching(name))
         assert 0.15 < apart.mean() < 0.6
         for side, point in zip(("left", "right"), points, strict=True):
             assert np.abs(distance(trial, side) - body.missing(angle, point)).max() < 0.04
@@ -80,9 +81,10 @@ def test_unseen_paths_are_followed_with_the_priority_that_was_taught(taught):
 
 def test_several_components_are_performed_too(taught):
     task, simulation, models, trials = taught
-    models = models | {"left": task.learn(simulation, "left", trials["left"], 2)}
+    name = task.behaviours[0]
+    models = models | {name: task.learn(simulation, name, trials[name], 2)}
     trial = task.perform(simulation, models, task.situation(simulation, 7, 0), duration=2.5)
-    assert models["left"].components == 2 and trial.outcome == "done"
+    assert models[name].components == 2 and trial.outcome == "done"
     assert max(distance(trial, side).max() for side in ("left", "right")) < 0.02
 
 
@@ -102,8 +104,8 @@ def test_impossible_objects_leave_the_arm_bounded_and_are_recorded(taught, path,
     left, right = task.objects(situation)
     moved = path(np.array(left.positions[0])), ObjectPath.at("right_object", right.positions[0])
     situation = replace(situation, details={"objects": [asdict(one) for one in moved]})
-    for teaching in task.behaviours:
-        trial = task.perform(simulation, models, situation, controller=teaching, duration=2.0)
+    for name in task.behaviours:
+        trial = task.perform(simulation, models, situation, controller=name, duration=2.0)
         assert trial.outcome == "done"
         assert all(np.isfinite(array).all() for array in trial.arrays.values())
         assert (np.abs(trial["dq"]) < 1.2 * robot.velocity_limit).all()

@@ -45,7 +45,7 @@ class Pursuit(MinimalIntervention):
         behaviours: Sequence[Behaviour],
         *,
         effort: float,
-        every: int = 15,
+        every: int = 20,
     ):
         super().__init__(simulation.robot, behaviours, effort=effort, every=every)
         n = simulation.robot.n

@@ -14,6 +14,9 @@ _ROOMS = {
     "pointing": "pointing",
     "pointing-baxter": "pointing",
     "tracking": "tracking",
+    "tracking-left": "tracking",
+    "tracking-right": "tracking",
+    "tracking-compromise": "tracking",
     "transfer": "transfer",
 }
 

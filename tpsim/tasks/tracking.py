@@ -72,14 +72,26 @@ REACHED = 0.01
 """Distance [m] up to which a hand is at its object."""
 
 
-class Tracking(Task):
-    """Follow two objects with two hands, as one of the behaviours ``TEACHINGS`` was taught.
+BEHAVIOURS = tuple(f"tracking-{teaching}" for teaching in TEACHINGS)
+"""What is taught; each is also a task by itself."""
 
-    The behaviour is the kind of controller; ``"learned"`` is the first of them.
+
+class Tracking(Task):
+    """Follow two objects with two hands, as a behaviour was taught.
+
+    The behaviour's name is the kind of controller; ``"learned"`` is the first one.
+
+    Parameters
+    ----------
+    name : str
+    behaviours : tuple of str
+        Out of ``BEHAVIOURS``. They are performed apart, not together.
     """
 
-    name, behaviours, sites = "tracking", TEACHINGS, SITES
-    duration = SECONDS
+    sites, duration = SITES, SECONDS
+
+    def __init__(self, name: str, behaviours: tuple[str, ...]):
+        self.name, self.behaviours = name, behaviours
 
     def simulation(self, xml: str | None = None) -> Simulation:
         """The trunk with two arms, and two objects."""
@@ -102,7 +114,7 @@ class Tracking(Task):
         """Draw paths of the objects, and how a person leads both hands after them."""
         body, h = Body.of(simulation), simulation.timestep
         points = _points(self._vias(body, rng), h * np.arange(round(SECONDS / h)))
-        angle, _ = body.lean(*points, behaviour)
+        angle, _ = body.lean(*points, teaching(behaviour))
         guides = tuple(
             _guide(side, body.led(angle, point, SHORT, SMOOTH), h, rng)
             for side, point in zip(SIDES, points, strict=True)
@@ -169,6 +181,11 @@ class Tracking(Task):
         }
 
 
+def teaching(behaviour: str) -> str:
+    """Which of ``TEACHINGS`` a behaviour is."""
+    return behaviour.removeprefix("tracking-")
+
+
 def _points(vias, times) -> np.ndarray:
     """Places of both objects (2, T, 2) [m] at times (T,), minimum jerk through the vias."""
     heading, between, *distances = minimum_jerk(np.linspace(0, SECONDS, VIAS), vias)(times).T
@@ -213,5 +230,5 @@ def _guide(side, points, timestep, rng) -> Guide:
 
 
 def task(name: str) -> Tracking:
-    """The task called ``tracking``."""
-    return Tracking()
+    """The task called ``tracking``, or by one of its behaviours."""
+    return Tracking(name, BEHAVIOURS if name == "tracking" else (name,))

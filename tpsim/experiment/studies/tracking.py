@@ -14,7 +14,7 @@ from tpsim.sim.push import Push
 from tpsim.sim.trial import Trial
 from tpsim.sim.video import Arrow, Clip
 from tpsim.tasks.leaning import Body
-from tpsim.tasks.tracking import SECONDS, SIDES, VIAS
+from tpsim.tasks.tracking import SECONDS, SIDES, VIAS, teaching
 
 PUSH = 10.0
 """Force [N] on one of the hands, for two seconds."""
@@ -56,10 +56,10 @@ class Outcome:
     ratio: Mapping[str, float]
 
     @classmethod
-    def of(cls, trial: Trial, body: Body, teaching: str) -> "Outcome":
-        """Compare a trial with what the body can reach at most, and with the teacher's choice."""
+    def of(cls, trial: Trial, body: Body, rule: str) -> "Outcome":
+        """Compare a trial with what the body can reach at most, as a teaching has it."""
         points = {side: trial[f"{side}_object_position"][:, :2] for side in SIDES}
-        angle, apart = body.lean(points["left"], points["right"], teaching)
+        angle, apart = body.lean(points["left"], points["right"], rule)
         reached = {side: distance(trial, side) for side in SIDES}
         least = {side: body.missing(angle, points[side])[apart].sum() for side in SIDES}
         return cls(
@@ -94,21 +94,20 @@ class TrackingStudy(Study):
 
     def phases(self, simulation, models, seed, situations, pushes) -> Phases:
         """Every situation by every teaching; the pushes go round the teachings."""
-        conditions, teachings = [], self.task.behaviours
+        conditions, behaviours = [], self.task.behaviours
         for index in range(situations):
             situation = self.task.situation(simulation, seed, index)
             rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(4, index)))
-            conditions += [Condition("unpushed", situation, teaching) for teaching in teachings]
+            conditions += [Condition("unpushed", situation, name) for name in behaviours]
             for k in range(pushes):
-                teaching, turn = teachings[k % len(teachings)], k // len(teachings)
+                name, turn = behaviours[k % len(behaviours)], k // len(behaviours)
                 # In turn when the objects are farthest from each other, and when they are not.
                 via = 1 + (2 * rng.integers(VIAS // 2) if turn % 2 == 0 else 1)
-                conditions.append(
-                    Condition("pushed", situation, teaching, push=_push(rng, int(via)))
-                )
+                push = _push(rng, int(via))
+                conditions.append(Condition("pushed", situation, name, push=push))
         yield conditions
 
-    def _teaching(self, condition) -> str:
+    def _behaviour(self, condition) -> str:
         names = self.task.behaviours
         return condition.controller if condition.controller in names else names[0]
 
@@ -117,9 +116,9 @@ class TrackingStudy(Study):
         figures = {}
         for label, suffix in (("unpushed", ""), ("pushed", "_pushed")):
             found = [
-                (self._teaching(c), Outcome.of(t, self._body, self._teaching(c)))
-                for c, t in records
-                if c.label == label
+                (teaching(name), Outcome.of(trial, self._body, teaching(name)))
+                for name in self.task.behaviours
+                for trial in self._select(records, label, name)
             ]
             figures |= _worst(found, suffix)
         trials = [trial for _, trial in records]
@@ -143,9 +142,9 @@ class TrackingStudy(Study):
         sections = []
         for label, words in (("unpushed", ""), ("pushed", ", pushed")):
             groups = {
-                CAPTIONS[teaching]: trials
-                for teaching in self.task.behaviours
-                if (trials := self._select(records, label, teaching))
+                CAPTIONS[teaching(name)]: trials
+                for name in self.task.behaviours
+                if (trials := self._select(records, label, name))
             }
             for side in SIDES if groups else ():
 
@@ -157,23 +156,23 @@ class TrackingStudy(Study):
                 sections.append(Section(title, _DISTANCE, [Picture(figure)]))
         return sections
 
-    def _select(self, records, label, teaching) -> list[Trial]:
-        return [t for c, t in records if c.label == label and self._teaching(c) == teaching]
+    def _select(self, records, label, name) -> list[Trial]:
+        return [t for c, t in records if c.label == label and self._behaviour(c) == name]
 
     def clips(
         self, simulation, models, records, demonstrations: Mapping[str, Sequence[Trial]]
     ) -> list[Clip]:
         """A demonstration and a reproduction of every teaching, and a push."""
         scene, shown = simulation.xml, []
-        for teaching in self.task.behaviours:
-            if trials := demonstrations.get(teaching):
-                shown.append(_clip(scene, trials[0], "Demonstration", CAPTIONS[teaching], 3.0))
-            if trials := self._select(records, "unpushed", teaching):
-                shown.append(_clip(scene, trials[-1], "Reproduction", CAPTIONS[teaching], 2.0))
-        for teaching in self.task.behaviours[-1:]:
-            if trials := self._select(records, "pushed", teaching):
-                words = "a person pushes with 10 N"
-                shown.append(_clip(scene, trials[-1], "Reproduction", words, 1.0))
+        for name in self.task.behaviours:
+            caption = CAPTIONS[teaching(name)]
+            if trials := demonstrations.get(name):
+                shown.append(_clip(scene, trials[0], "Demonstration", caption, 3.0))
+            if trials := self._select(records, "unpushed", name):
+                shown.append(_clip(scene, trials[-1], "Reproduction", caption, 2.0))
+        if trials := self._select(records, "pushed", self.task.behaviours[-1]):
+            words = "a person pushes with 10 N"
+            shown.append(_clip(scene, trials[-1], "Reproduction", words, 1.0))
         return shown
 
 
@@ -186,12 +185,12 @@ def _push(rng, via) -> Push:
 
 
 def _worst(outcomes: Sequence[tuple[str, Outcome]], suffix: str) -> dict:
-    """Figures of trials and their teachings: the worst of each kind, in mm and as ratios."""
+    """Figures of teachings and trials: the worst of each kind, in mm and as ratios."""
     together = [1e3 * away for _, o in outcomes for away in o.together.values()]
-    decided = [(o, side) for side, o in outcomes if side in SIDES]
+    decided = [(o, rule) for rule, o in outcomes if rule in SIDES]
     first = [1e3 * o.apart[side] for o, side in decided]
     other = [o.ratio[SIDES[1 - SIDES.index(side)]] for o, side in decided]
-    split = [abs(r - 1) for name, o in outcomes if name not in SIDES for r in o.ratio.values()]
+    split = [abs(r - 1) for rule, o in outcomes if rule not in SIDES for r in o.ratio.values()]
     figures = {
         "rms_mm": together,
         "priority_rms_mm": first,
@@ -242,5 +241,5 @@ _WORDS = (
 
 
 def study(task) -> TrackingStudy:
-    """The study of ``tracking``."""
+    """The study of ``tracking``, or of one of its behaviours."""
     return TrackingStudy(task)

@@ -27,7 +27,9 @@ def arm(request):
     return robot, {
         "direction": direction,
         "to": DirectionTo("to", site, "first", axes),
-        "posture": PostureBeneath("posture", robot.joints, direction, tuple(simulation.home)),
+        "posture": PostureBeneath(
+            "posture", robot.joints, direction, robot.joints, tuple(simulation.home)
+        ),
     }
 
 
@@ -73,6 +75,21 @@ def test_the_posture_beneath_moves_no_direction(arm):
     _, N = value(robot, coordinates["posture"], q)
     np.testing.assert_allclose(J @ N, 0, atol=1e-5)
     np.testing.assert_allclose(N @ N, N, atol=1e-5)
+
+
+def test_free_joints_say_all_about_the_posture_beneath():
+    simulation = Simulation(scene.planar3())
+    robot, direction = simulation.robot, Direction("direction", "tip")
+    q, origin = np.array([0.4, -0.3, 0.8]), (0.1, 0.2, 0.3)
+    views = {}
+    for free in (robot.joints, robot.joints[:2]):
+        posture = PostureBeneath("posture", robot.joints, direction, free, origin)
+        assert posture.labels == tuple(f"{joint} [rad]" for joint in free)
+        views[len(free)] = value(robot, posture, q)
+    (y, N), (y_free, N_free) = views[3], views[2]
+    np.testing.assert_allclose(y, N @ (q - origin))
+    rest = np.linalg.lstsq(N_free, y_free)[0]
+    np.testing.assert_allclose(rest, y, atol=1e-6)
 
 
 def test_jacobians_stay_bounded_at_the_object_and_behind(arm):

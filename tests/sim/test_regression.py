@@ -29,14 +29,14 @@ def bench():
     robot = simulation.robot
     direction = Direction("direction", "tip")
     coordinates = (
-        PostureBeneath("posture", robot.joints, direction, (0.0, 0.0, 0.0)),
+        PostureBeneath("posture", robot.joints, direction, robot.joints[:2], (0.0, 0.0, 0.0)),
         direction,
         DirectionTo("first", "tip", "first"),
         DirectionTo("second", "tip", "second"),
     )
     times = np.array([0.0, 1.0, 2.0])
     frames = []
-    for d in (3, 1, 1, 1):
+    for d in (2, 1, 1, 1):
         mean = 0.5 * rng.standard_normal((3, 1 + d))
         mean[:, 0] = times
         frames.append(Gaussian(mean, spread(rng, 3, 1 + d)))

@@ -107,10 +107,12 @@ class DirectionTo(Coordinate):
 
 @dataclass(frozen=True)
 class PostureBeneath(Coordinate):
-    """Posture of an arm in the nullspace of another coordinate, Eq. (42): d = number of joints.
+    """Posture of an arm in the nullspace of another coordinate, Eq. (42): d = free joints.
 
-    ``y = N (q - q_0)`` with ``N = I - J^+ J``: what the arm does with the freedom that the other
-    coordinate leaves. It adds ``N W N`` in joint space and never competes with what comes first.
+    ``N (q - q_0)`` with ``N = I - J^+ J`` is what the arm does with the freedom that the other
+    coordinate leaves. It never competes with what comes first. Since N has not full rank, the
+    shares of some joints say all: those of the others are left out, for a Gaussian would take the
+    lack of freedom for precision.
 
     Parameters
     ----------
@@ -118,6 +120,8 @@ class PostureBeneath(Coordinate):
         Joints of the arm.
     first : Direction or DirectionTo
         What has priority.
+    free : tuple of str
+        The joints that are observed, as many as the nullspace has dimensions.
     origin : tuple of float
         Posture q_0 from which the joints' angles count [rad]: near it, y does not feel how N
         turns.
@@ -125,25 +129,27 @@ class PostureBeneath(Coordinate):
 
     joints: tuple[str, ...]
     first: Direction | DirectionTo
+    free: tuple[str, ...]
     origin: tuple[float, ...]
 
     @property
     def labels(self) -> tuple[str, ...]:
         """Names of the dimensions."""
-        return tuple(f"{joint} [rad]" for joint in self.joints)
+        return tuple(f"{joint} [rad]" for joint in self.free)
 
     def bind(self, robot):
         """Return a function that gives y (d,) and J (d, n) of the robot's last update."""
         index = np.array([robot.joints.index(joint) for joint in self.joints])
         first, origin = self.first.bind(robot), np.array(self.origin)
-        J, everything = np.zeros((len(index), robot.n)), np.eye(len(index))
+        free = [self.joints.index(joint) for joint in self.free]
+        J, everything = np.zeros((len(free), robot.n)), np.eye(len(index))
         damping = DAMPING**2 * np.eye(len(self.first.axes) - 1)
 
         def evaluate():
             J_first = first()[1][:, index]
             N = everything - J_first.T @ dposv(J_first @ J_first.T + damping, J_first)[1]
-            J[:, index] = N
-            return N @ (robot.q[index] - origin), J
+            J[:, index] = N[free]
+            return N[free] @ (robot.q[index] - origin), J
 
         return evaluate
 

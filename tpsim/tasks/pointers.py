@@ -22,8 +22,8 @@ class Pointer:
     ----------
     scene : callable
         Gives the MJCF text of the robot with the objects ``OBJECTS``.
-    joints : tuple of str
-        The arm's.
+    joints, free : tuple of str
+        The arm's, and those of them that can be chosen when the direction is given.
     site : str
         What points.
     axes : tuple of int
@@ -40,6 +40,7 @@ class Pointer:
 
     scene: Callable[[], str]
     joints: tuple[str, ...]
+    free: tuple[str, ...]
     site: str
     axes: tuple[int, ...]
     rest: tuple[float, ...]
@@ -70,6 +71,7 @@ def _on_the_table(rng):
 PLANAR = Pointer(
     scene=scene.planar3,
     joints=("joint1", "joint2", "joint3"),
+    free=("joint1", "joint2"),
     site="tip",
     axes=(0, 1),
     rest=(-0.3, 2.1, -0.23),
@@ -82,6 +84,7 @@ PLANAR = Pointer(
 BAXTER = Pointer(
     scene=lambda: scene.baxter(dict.fromkeys(OBJECTS, "marker")),
     joints=tuple(f"left_{joint}" for joint in ("s0", "s1", "e0", "e1", "w0", "w1", "w2")),
+    free=tuple(f"left_{joint}" for joint in ("s0", "s1", "e0", "e1", "w2")),
     site="left_gripper",
     axes=(2, 0, 1),
     rest=scene.READY,

@@ -14,6 +14,7 @@ import numpy as np
 
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
+from tpsim.learning.subspace import MFA
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.sim.controller import Behaviour
 from tpsim.sim.coordinate import Coordinate
@@ -47,7 +48,14 @@ HURRY = 0.05
 RESTLESS, BENT = 0.02, 0.06
 """Standard deviations of the posture that the teacher prefers at rest and while pointing [rad]."""
 
-EFFORT = 0.03
+STEADY = Variation(drift=0.0012, tremor=0.0004, angular_drift=0.006, angular_tremor=0.002)
+"""How the hand of a person strays who looks closely where the arm points."""
+
+STRUCTURE = MFA(1)
+"""Of the covariances: time moves everything, what remains is each dimension's own. Six
+demonstrations are too few to say how five joints depend on each other (Section 4.2)."""
+
+EFFORT = 0.05
 """Cost of acceleration [s^4/(kg m^2)]: the one number that sets how soft the robot is."""
 
 HOLD, FREE = 0.1, 10.0
@@ -102,7 +110,9 @@ class Pointing(Task):
     def _posture(self, simulation, q):
         joints, robot = self.pointer.joints, simulation.robot
         origin = tuple(float(q[robot.joints.index(joint)]) for joint in joints)
-        return PostureBeneath("posture", joints, self._direction(simulation), origin)
+        return PostureBeneath(
+            "posture", joints, self._direction(simulation), self.pointer.free, origin
+        )
 
     def lesson(self, simulation: Simulation, behaviour: str, rng) -> Lesson:
         """Draw objects, and how a person leads the arm to point at them in turn."""
@@ -118,7 +128,7 @@ class Pointing(Task):
                 f"{site}_guide",
                 site,
                 Hand() if turns else Hand(angular_stiffness=0.0, angular_damping=0.0),
-                hand_path(robot, site, postures, h, rng, Variation()),
+                hand_path(robot, site, postures, h, rng, STEADY),
             )
             for site, turns in self.pointer.grips
         )
@@ -149,7 +159,8 @@ class Pointing(Task):
         """Fit a TP-GMM over time and all frames to the demonstrations."""
         coordinates = self.coordinates(simulation, behaviour)
         views = [demonstration(simulation.robot, trial, coordinates) for trial in trials]
-        return fit_tp_gmm([view.with_time() for view in views], components, start="time")
+        timed = [view.with_time() for view in views]
+        return fit_tp_gmm(timed, components, covariance=STRUCTURE, start="time")
 
     def draw(self, simulation: Simulation, rng) -> tuple[np.ndarray, dict]:
         """Draw a start near rest, and objects that the teacher could point at."""

@@ -107,7 +107,7 @@ def test_a_push_meets_the_stiffness_that_is_recorded(simulation):
         simulation.apply_wrench(body, wrench, robot.placement(site)[1])
         simulation.step(torque)
     way = robot.placement(site)[1] - start
-    compliance = np.linalg.inv(hand_stiffness(robot, law.impedance().stiffness, site))
+    compliance = np.linalg.inv(hand_stiffness(robot.jacobian(site), law.impedance().stiffness))
     np.testing.assert_allclose(way, (compliance @ wrench)[:3], atol=0.1 * np.linalg.norm(way))
     assert 10 * np.linalg.norm(way) < 0.1
 

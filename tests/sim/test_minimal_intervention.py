@@ -73,7 +73,8 @@ def test_stiffness_is_a_spring(simulation):
     for matrix in (now.stiffness, now.damping):
         np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * np.abs(matrix).max())
         assert np.linalg.eigvalsh(matrix).min() > 0
-    felt = hand_stiffness(simulation.robot, now.stiffness, simulation.robot.site("left_gripper"))
+    robot = simulation.robot
+    felt = hand_stiffness(robot.jacobian(robot.site("left_gripper")), now.stiffness)
     assert np.linalg.eigvalsh((felt + felt.T) / 2).min() > 0
 
 

@@ -7,7 +7,7 @@ from tpsim import rotation
 from tpsim.errors import ArgumentError
 from tpsim.sim import scene
 from tpsim.sim.controller import FixedImpedance
-from tpsim.sim.objects import ObjectPath
+from tpsim.sim.objects import MovingObjects, ObjectPath
 from tpsim.sim.rollout import rollout
 from tpsim.sim.simulation import Simulation
 
@@ -53,4 +53,4 @@ def test_paths_that_make_no_sense_are_refused(arguments):
 
 def test_objects_that_the_scene_has_not_are_refused():
     with pytest.raises(ArgumentError, match="first"):
-        ObjectPath.at("puck", (0, 0, 0)).bind(Simulation(scene.planar3()))
+        MovingObjects([ObjectPath.at("puck", (0, 0, 0))], Simulation(scene.planar3()))

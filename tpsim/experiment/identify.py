@@ -52,7 +52,7 @@ def identify_stiffness(
     simulation.reset(start)
     _rest(simulation, controller, body, handle, np.zeros(6))
     rest = simulation.q.copy()
-    commanded = hand_stiffness(robot, controller.impedance().stiffness, handle)
+    commanded = hand_stiffness(robot.jacobian(handle), controller.impedance().stiffness)
     R0 = robot.placement(handle)[0].copy()
     compliance = np.empty((6, 6))
     sizes = np.repeat([force, torque], 3)
@@ -73,7 +73,7 @@ def _rest(simulation, controller, body, handle, wrench):
     robot, limit = simulation.robot, simulation.robot.torque_limit
     quiet = 0
     for _ in range(round(PATIENCE / simulation.timestep)):
-        robot.update(simulation.q.copy(), simulation.dq.copy())
+        robot.update(simulation.q, simulation.dq)
         torque = controller.torque()
         simulation.clear_wrenches()
         simulation.apply_wrench(body, wrench, robot.placement(handle)[1])

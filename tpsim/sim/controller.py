@@ -1,10 +1,10 @@
 """Torque controllers: what they share, fixed gains to compare with, and weightlessness.
 
-The torque law is ``tau = K (q_hat - q) - D dq + bias(q, dq)``; the controllers differ in where
-q_hat, K and D come from.
+The torque law is ``tau = K (q_hat - q) + D (dq_hat - dq) + bias(q, dq)``; the controllers differ
+in where q_hat, dq_hat, K and D come from.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -44,12 +44,33 @@ class Impedance:
     """What a controller commands at one instant, in joint space.
 
     ``stiffness`` (n, n) [Nm/rad] and ``damping`` (n, n) [Nms/rad] are what a push meets;
-    ``reference`` (n,) is q_hat [rad].
+    ``reference`` (n,) is q_hat [rad], and ``velocity`` (n,) is dq_hat [rad/s], none for rest.
     """
 
     stiffness: np.ndarray
     damping: np.ndarray
     reference: np.ndarray
+    velocity: np.ndarray | None = None
+
+    @classmethod
+    def of_modes(cls, modes, stiffness, reference) -> "Impedance":
+        """Optimum of unit double integrators: damping is the root of twice the stiffness.
+
+        Parameters
+        ----------
+        modes : (n, n)
+            In the columns; with M = modes modes^T they are independent unit masses.
+        stiffness : (n,)
+            Of each mode [1/s^2].
+        reference : (n,)
+            Posture [rad].
+        """
+        damping = np.sqrt(2 * stiffness)
+        return cls((modes * stiffness) @ modes.T, (modes * damping) @ modes.T, reference)
+
+    def weaker(self, factor: float) -> "Impedance":
+        """The same with springs that pull less by a factor: the damper holds what they move."""
+        return replace(self, stiffness=self.stiffness / factor)
 
 
 class Controller:
@@ -62,7 +83,6 @@ class Controller:
 
     def __init__(self, robot: Robot):
         self.robot, self._guard = robot, Guard(robot)
-        self.feedforward = np.zeros(robot.n)
 
     def feedback(self) -> np.ndarray:
         """Torque (n,) [Nm] against error and velocity at the robot's last update."""
@@ -72,14 +92,60 @@ class Controller:
         """Stiffness, damping and reference of the last command."""
         raise NotImplementedError
 
-    def torque(self) -> np.ndarray:
-        """Joint torque (n,) [Nm] wanted, before the motors' limits.
-
-        ``feedforward`` keeps the part that is not feedback: bias and the joints' own damping.
-        """
+    @property
+    def feedforward(self) -> np.ndarray:
+        """Torque (n,) [Nm] that is not feedback: bias and the joints' own damping."""
         robot = self.robot
-        self.feedforward = robot.bias + robot.passive_damping * robot.dq
-        return self.feedback() + self._guard.torque() + self.feedforward
+        return robot.bias + robot.passive_damping * robot.dq
+
+    def torque(self) -> np.ndarray:
+        """Joint torque (n,) [Nm] wanted, before the motors' limits."""
+        torque = self.feedback() + self.feedforward
+        return torque + self._guard.torque() if self._guard.wakes() else torque
+
+
+class RenewedImpedance(Controller):
+    """An impedance that lasts for some steps, while the torque follows the state at every one.
+
+    A reference that moves goes on at its velocity meanwhile. Who derives from this says what the
+    impedance is: :meth:`renew`.
+
+    Parameters
+    ----------
+    robot : Robot
+    every : int
+        Time steps for which an impedance lasts.
+    """
+
+    def __init__(self, robot: Robot, every: int):
+        super().__init__(robot)
+        self._every, self._left, self._timestep = every, 0, robot.model.opt.timestep
+
+    def renew(self) -> Impedance:
+        """Impedance from the robot's last update on."""
+        raise NotImplementedError
+
+    def feedback(self) -> np.ndarray:
+        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
+        if self._left == 0:
+            self._left = self._every
+            self._begin(self.renew())
+        elif self._lead is not None:
+            self._wanted = self._wanted + self._lead
+        self._left -= 1
+        # For a matrix so small, @ costs twice as much.
+        return self._wanted - self._gain.dot(self.robot.state)
+
+    def _begin(self, now):
+        self._now, self._gain = now, np.concatenate((now.stiffness, now.damping), axis=1)
+        self._wanted, self._lead = now.stiffness @ now.reference, None
+        if now.velocity is not None:
+            self._wanted += now.damping @ now.velocity
+            self._lead = now.stiffness @ (self._timestep * now.velocity)
+
+    def impedance(self) -> Impedance:
+        """Stiffness, damping and reference of the last :meth:`feedback`."""
+        return self._now
 
 
 class FixedImpedance(Controller):
@@ -131,10 +197,14 @@ class GravityCompensation(Controller):
         self._hold = FixedImpedance(robot, np.zeros(robot.n) if posture is None else posture, 400)
         self._damping = damping
 
+    @property
+    def feedforward(self) -> np.ndarray:
+        """Torque (n,) [Nm] of gravity."""
+        return self.robot.gravity_torque(self.robot.q)
+
     def torque(self) -> np.ndarray:
         """Joint torque (n,) [Nm]."""
         robot = self.robot
-        self.feedforward = robot.gravity_torque(robot.q)
         torque = self.feedforward - self._damping * robot.dq
         if self._held.any():
             hold = self._hold.feedback() + robot.bias
@@ -147,13 +217,15 @@ class GravityCompensation(Controller):
         return Impedance(np.zeros((n, n)), self._damping * np.eye(n), self.robot.q)
 
 
-def hand_stiffness(robot: Robot, stiffness, site: int) -> np.ndarray:
-    """Physical stiffness (6, 6) at a site, from joint stiffness (n, n) [Nm/rad].
+def hand_stiffness(J, stiffness) -> np.ndarray:
+    """Physical stiffness (..., 6, 6) of a hand, from joint stiffness (..., n, n) [Nm/rad].
 
-    ``(J K^-1 J^T)^-1``: what a slow push at the site meets, N/m and Nm/rad, when the rest of
-    the arm is free to give way.
+    ``(J K^-1 J^T)^-1`` with the hand's Jacobian J (..., 6, n): what a slow push meets, N/m and
+    Nm/rad, when the rest of the arm is free to give way. Without stiffness it is zero.
     """
-    J = robot.jacobian(site)
-    if not stiffness.any():
-        return np.zeros((6, 6))
-    return np.linalg.inv(J @ np.linalg.solve(stiffness, J.T))
+    J, stiffness = np.asarray(J), np.asarray(stiffness)
+    felt = np.zeros((*J.shape[:-2], 6, 6))
+    stiff = stiffness.any(axis=(-1, -2))
+    compliance = J[stiff] @ np.linalg.solve(stiffness[stiff], J[stiff].mT)
+    felt[stiff] = np.linalg.inv(compliance)
+    return felt

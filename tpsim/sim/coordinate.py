@@ -9,12 +9,14 @@ rotation vector, so it is exact far from the reference too.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 import pinocchio as pin
+from scipy.linalg.lapack import dposv
 
 from tpsim.errors import ArgumentError
-from tpsim.sim.robot import Robot
+from tpsim.sim.robot import Robot, as_slice
 
 DAMPING = 0.01
 """Singular value of a hand's Jacobian below which its nullspace is no longer told apart [m/rad]."""
@@ -203,15 +205,14 @@ class SelfMotion(Coordinate):
         robot.update_kinematics(posture)
         # Null vector at the neutral posture: it gives n its sign everywhere.
         towards = np.linalg.svd(robot.jacobian(site)[:, index])[2][-1]
-        J, damping = np.zeros((1, robot.n)), DAMPING**2 * np.eye(6)
+        arm, J, damping = as_slice(index), np.zeros((1, robot.n)), DAMPING**2 * np.eye(6)
 
         def evaluate():
-            J_hand = robot.jacobian(site)[:, index]
+            J_hand = robot.jacobian(site)[:, arm]
             # n is what N leaves of it, by the normal equations: an SVD costs ten times as much.
-            inverse = np.linalg.solve(J_hand @ J_hand.T + damping, J_hand @ towards)
-            n = towards - J_hand.T @ inverse
-            n /= np.sqrt(n @ n)
-            J[0, index] = n
-            return np.array([n @ (robot.q[index] - origin)]), J
+            n = towards - J_hand.T @ dposv(J_hand @ J_hand.T + damping, J_hand @ towards)[1]
+            n /= sqrt(n @ n)
+            J[0, arm] = n
+            return np.array([n @ (robot.q[arm] - origin)]), J
 
         return evaluate

@@ -234,9 +234,7 @@ class Environment(control.Environment):
         default. Under impedance the spring is computed at every time step all the same.
     """
 
-    def __init__(
-        self, movement: Movement, duration: float, control_timestep: float | None = None
-    ):
+    def __init__(self, movement: Movement, duration: float, control_timestep: float | None = None):
         h = movement.simulation.timestep
         period = h if control_timestep is None else control_timestep
         for name, value in (("duration", duration), ("control_timestep", period)):

@@ -110,7 +110,7 @@ class _Following:
     def __init__(self, robot, coordinate):
         self._robot, self._site = robot, robot.site(coordinate.site)
         self._p, self._quaternion = robot.objects[coordinate.target]
-        self._was = None
+        self._was, self._drift = None, np.zeros(2)
 
     def _frame(self):
         """Axes (2, 2), in the rows, and origin (2,) of the object."""
@@ -126,13 +126,16 @@ class _Following:
         return self._y, self._J
 
     def motion(self, dt: float) -> Motion:
-        """K (2, n) and v (2,) since the last time that it was asked, dt [s] ago."""
+        """K (2, n) and v (2,) for the time dt [s] to come, as long as since it was last asked."""
         (axes, origin), was = self._now, self._was
-        self._was = self._now
-        if was is None or dt <= 0:
-            return self._J, np.zeros(2)
-        way = self._y + axes @ (origin - was[1] - was[0].T @ self._y)
-        return self._J, way / dt if hypot(*way.tolist()) < FAST * dt else np.zeros(2)
+        self._was, drift = self._now, np.zeros(2)
+        if was is not None and dt > 0:
+            way = self._y + axes @ (origin - was[1] - was[0].T @ self._y)
+            if hypot(*way.tolist()) < FAST * dt:
+                drift = way / dt
+        # Speed in the middle of the time to come, a whole period after the one just seen.
+        ahead, self._drift = 2 * drift - self._drift, drift
+        return self._J, ahead
 
 
 class _Beneath:
@@ -149,7 +152,7 @@ class _Beneath:
         return self._free @ e, beneath
 
     def motion(self, dt: float) -> Motion:
-        """K (2, n) and v (2,) since the last time that it was asked, dt [s] ago."""
+        """K (2, n) and v (2,) for the time dt [s] to come, as long as since it was last asked."""
         K, v = self._second.motion(dt)
         return self._free @ K, self._free @ v
 

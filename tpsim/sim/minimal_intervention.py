@@ -7,12 +7,12 @@ from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.gaussian import Gaussian
-from tpsim.sim.controller import Behaviour, Controller, Impedance
+from tpsim.sim.controller import Behaviour, Impedance, RenewedImpedance
 from tpsim.sim.coordinate import Posture
 from tpsim.sim.robot import Robot
 
 
-class MinimalIntervention(Controller):
+class MinimalIntervention(RenewedImpedance):
     """Infinite-horizon LQT in joint space over all frames of all behaviours (Sections 6 and 7).
 
     The Gaussians of every frame are projected into joint space by Table 3 and multiplied in
@@ -47,13 +47,13 @@ class MinimalIntervention(Controller):
         *,
         effort: float = 0.2,
         prior: Gaussian | None = None,
-        every: int = 4,
+        every: int = 8,
     ):
         if not behaviours:
             raise ArgumentError("no behaviour was given; give at least one")
         if not effort > 0:
             raise ArgumentError(f"effort is {effort}; it must be positive")
-        super().__init__(robot)
+        super().__init__(robot, every)
         self.effort = float(effort)
         experts = [(b.coordinates, b.model.priors, b.model.frames) for b in behaviours]
         if prior is not None:
@@ -76,7 +76,7 @@ class MinimalIntervention(Controller):
             self._fixed = tuple(sum(terms) for terms in zip(*self._information(), strict=True))
         else:
             self._fixed = None
-        self._checked, self._calls, self._every = False, 0, every
+        self._checked = False
 
     def _check_determined(self):
         self._checked = True
@@ -111,30 +111,15 @@ class MinimalIntervention(Controller):
             self._check_determined()
         # At a singular posture a frame may lose its last direction: no pull there, not infinity.
         np.maximum(self._eigenvalues, 1e-9 * self._eigenvalues[-1], out=self._eigenvalues)
-        self._modes = self._L @ self._V
         # Way to the optimum of each mode: Lambda_z^-1 times the gradient.
         self._way = (self._V.T @ gradient) / self._eigenvalues
 
-    def feedback(self) -> np.ndarray:
-        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
-        if self._calls % self._every == 0:
-            self._solve()
-            self._now = self._optimum()
-        self._calls += 1
-        now, robot = self._now, self.robot
-        return now.stiffness @ (now.reference - robot.q) - now.damping @ robot.dq
-
-    def _optimum(self) -> Impedance:
-        modes, stiffness = self._modes, np.sqrt(self._eigenvalues / self.effort)
-        return Impedance(
-            (modes * stiffness) @ modes.T,
-            (modes * np.sqrt(2 * stiffness)) @ modes.T,
-            self.robot.q + dtrtrs(self._L, self._V @ self._way, lower=1, trans=1)[0],
-        )
-
-    def impedance(self) -> Impedance:
-        """Stiffness, damping and reference of the last :meth:`feedback`."""
-        return self._now
+    def renew(self) -> Impedance:
+        """Optimum for the product of all frames at the robot's last update."""
+        self._solve()
+        way = dtrtrs(self._L, self._V @ self._way, lower=1, trans=1)[0]
+        stiffness = np.sqrt(self._eigenvalues / self.effort)
+        return Impedance.of_modes(self._L @ self._V, stiffness, self.robot.q + way)
 
 
 class _Mixture:

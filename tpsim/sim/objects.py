@@ -1,5 +1,6 @@
 """Objects that move by themselves: mocap bodies along scripted paths."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,29 +82,44 @@ class ObjectPath:
             turned[before], turned[after], share
         )
 
-    def bind(self, simulation: Simulation) -> "BoundObject":
-        """The path in one simulation, its name looked up and its poses computed."""
-        return BoundObject(self, simulation)
 
+class MovingObjects:
+    """The objects of a simulation on their paths; those without one stay where they are.
 
-class BoundObject:
-    """An object at work: ``act`` puts it where it is at a time step."""
+    Parameters
+    ----------
+    paths : sequence of ObjectPath
+    simulation : Simulation
 
-    def __init__(self, path: ObjectPath, simulation: Simulation):
-        if path.name not in simulation.objects:
+    Raises
+    ------
+    ArgumentError
+        If the scene has no movable object of a path's name.
+    """
+
+    def __init__(self, paths: Sequence[ObjectPath], simulation: Simulation):
+        names = list(simulation.objects)
+        if unknown := [path.name for path in paths if path.name not in names]:
             raise ArgumentError(
-                f"no movable object '{path.name}' in the scene; it has {sorted(simulation.objects)}"
+                f"no movable object '{unknown[0]}' in the scene; it has {sorted(names)}"
             )
-        self.name = path.name
-        self._position, self._quaternion = simulation.objects[path.name]
-        h = simulation.timestep
-        steps = round(max(path.times[-1], 0.0) / h) + 1
-        self._positions, self._quaternions = path.poses(h * np.arange(steps + 1))
+        h, model, data = simulation.timestep, simulation.model, simulation.data
+        last = max((path.times[-1] for path in paths), default=0.0)
+        steps = round(max(last, 0.0) / h) + 2 if paths else 0
+        movable = model.body_mocapid >= 0
+        self._positions = np.tile(model.body_pos[movable], (steps, 1, 1))
+        self._quaternions = np.tile(model.body_quat[movable], (steps, 1, 1))
+        for path in paths:
+            poses = path.poses(h * np.arange(steps))
+            k = names.index(path.name)
+            self._positions[:, k], self._quaternions[:, k] = poses
+        self._seen = data.mocap_pos, data.mocap_quat
 
     def act(self, step: int) -> None:
-        """Move the object to its pose at this time step."""
+        """Move the objects to their poses at this time step."""
         if step < len(self._positions):
-            self._position[:], self._quaternion[:] = self._positions[step], self._quaternions[step]
+            positions, quaternions = self._seen
+            positions[:], quaternions[:] = self._positions[step], self._quaternions[step]
 
 
 def _slerp(one, other, share):

@@ -1,6 +1,7 @@
 """Minimal intervention towards what moves: the reference has a velocity too."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.linalg.lapack import dgesv
@@ -11,7 +12,6 @@ from tpsim.sim.simulation import Simulation
 
 STEADY = 0.1
 """Standard deviation [rad] from which on a frame is too vague to lead the joints' velocity."""
-
 
 STRENGTH = 0.6
 """Share of the motors' torque that springs do not exceed: the rest is left for brakes."""
@@ -25,7 +25,7 @@ class Pursuit(MinimalIntervention):
         (sum_j J_j^T W_j K_j + I / STEADY^2) dq_hat = sum_j J_j^T W_j v_j,
 
     with the motion ``dy_j = K_j dq - v_j`` of every view. The reference moves with it from one
-    solution to the next, and the torque is ``K (q_hat - q) - D (dq - dq_hat) + bias``.
+    solution to the next.
 
     Parameters
     ----------
@@ -45,26 +45,22 @@ class Pursuit(MinimalIntervention):
         behaviours: Sequence[Behaviour],
         *,
         effort: float,
-        every: int = 20,
+        every: int = 40,
     ):
         super().__init__(simulation.robot, behaviours, effort=effort, every=every)
-        n = simulation.robot.n
-        self._simulation, self._timestep, self._solved = simulation, simulation.timestep, None
+        self._simulation, self._solved = simulation, None
         self._K, self._v = np.zeros_like(self._J), np.zeros_like(self._y)
-        self._steady = np.eye(n) / STEADY**2
-        self._pull, self._lead = np.zeros(n), np.zeros(n)
+        self._steady = np.eye(simulation.robot.n) / STEADY**2
 
-    def _optimum(self) -> Impedance:
-        now, robot = super()._optimum(), self.robot
-        self._aim = np.minimum(np.maximum(now.reference, robot.lower), robot.upper)
-        pull = now.stiffness @ (self._aim - robot.q)
+    def renew(self) -> Impedance:
+        """Optimum for the product of all frames at the robot's last update, moving with them."""
+        now, robot = super().renew(), self.robot
+        pull = now.stiffness @ (now.reference - robot.q)
         # At this speed spring and damper are in balance.
         speed = dgesv(now.damping, pull)[2]
         share = np.abs(pull) / (STRENGTH * robot.torque_limit)
         excess = max(share.max(), (np.abs(speed) / robot.velocity_limit).max())
-        if excess <= 1:
-            return now
-        return Impedance(now.stiffness / excess, now.damping, now.reference)
+        return replace(now.weaker(max(1.0, excess)), velocity=self._keep_up())
 
     def _keep_up(self):
         """Joint velocity (n,) [rad/s] that keeps up with the frames."""
@@ -77,17 +73,3 @@ class Pursuit(MinimalIntervention):
         velocity = dgesv(JW @ self._K + self._steady, JW @ self._v)[2]
         limit = self.robot.velocity_limit
         return np.minimum(np.maximum(velocity, -limit), limit)
-
-    def feedback(self) -> np.ndarray:
-        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
-        since = self._calls % self._every
-        if since == 0:
-            self._solve()
-            now, velocity = self._optimum(), self._keep_up()
-            self._now = now
-            self._pull = now.stiffness @ self._aim + now.damping @ velocity
-            self._lead = now.stiffness @ (self._timestep * velocity)
-        self._calls += 1
-        now, robot = self._now, self.robot
-        wanted = self._pull + since * self._lead
-        return wanted - now.stiffness @ robot.q - now.damping @ robot.dq

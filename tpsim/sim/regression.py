@@ -6,14 +6,14 @@ from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.gaussian import Gaussian
 from tpsim.retrieval.gmr import Regression
-from tpsim.sim.controller import Behaviour, Controller, Impedance
+from tpsim.sim.controller import Behaviour, Impedance, RenewedImpedance
 from tpsim.sim.simulation import Simulation
 
 PERIOD = 0.03
 """Time [s] between two adaptations of the mixture to the frames: as often as a camera looks."""
 
 
-class TimedIntervention(Controller):
+class TimedIntervention(RenewedImpedance):
     """GMR over time under minimal intervention (Eqs 5-6, 13-20 and Table 3).
 
     The model's frames observe time and a coordinate, Eq. (20). At every period the components are
@@ -53,15 +53,14 @@ class TimedIntervention(Controller):
             if not value > 0:
                 raise ArgumentError(f"{name} is {value}; it must be positive")
         robot = simulation.robot
-        super().__init__(robot)
+        super().__init__(robot, max(1, round(period / simulation.timestep)))
         self._simulation, self._effort, self._until = simulation, effort, until
-        self._every, self._calls = max(1, round(period / simulation.timestep)), 0
         self._mixture = _Mixture(behaviour, robot.n)
         self._evaluate = [coordinate.bind(robot) for coordinate in behaviour.coordinates]
         self._prior = prior
-        self._now = Impedance(np.zeros((robot.n, robot.n)), np.zeros((robot.n, robot.n)), robot.q)
 
-    def _adapt(self):
+    def renew(self) -> Impedance:
+        """Optimum for the posture that the movement asks for now."""
         robot = self.robot
         time = min(self._simulation.time, self._until)
         views = [evaluate() for evaluate in self._evaluate]
@@ -72,13 +71,12 @@ class TimedIntervention(Controller):
         if failed or not variances[0] > 0:
             raise SimulationError("the covariance of the movement has no eigendecomposition")
         modes, stiffness = L @ V, 1 / np.sqrt(self._effort * variances)
-        damping = np.sqrt(2 * stiffness)
+        now = Impedance.of_modes(modes, stiffness, robot.q + step.mean)
         # Far away the spring gives way, so that spring against damper asks for no wild speed.
-        speed = dtrtrs(L, V @ (stiffness / damping * (modes.T @ step.mean)), lower=1, trans=1)[0]
-        stiffness /= max(1.0, (np.abs(speed) / robot.velocity_limit).max())
-        self._now = Impedance(
-            (modes * stiffness) @ modes.T, (modes * damping) @ modes.T, robot.q + step.mean
-        )
+        pace = np.sqrt(stiffness / 2) * (modes.T @ step.mean)
+        speed = dtrtrs(L, V @ pace, lower=1, trans=1)[0]
+        excess = (np.abs(speed) / robot.velocity_limit).max()
+        return now if excess <= 1 else now.weaker(excess)
 
     def _beforehand(self):
         """Precision and information vector of the prior, from the present posture."""
@@ -86,18 +84,6 @@ class TimedIntervention(Controller):
             return 0.0, 0.0
         precision = self._prior.precision
         return precision, precision @ (self._prior.mean - self.robot.q)
-
-    def feedback(self) -> np.ndarray:
-        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
-        if self._calls % self._every == 0:
-            self._adapt()
-        self._calls += 1
-        now, robot = self._now, self.robot
-        return now.stiffness @ (now.reference - robot.q) - now.damping @ robot.dq
-
-    def impedance(self) -> Impedance:
-        """Stiffness, damping and reference of the last :meth:`feedback`."""
-        return self._now
 
 
 class _Mixture:

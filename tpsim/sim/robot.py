@@ -16,8 +16,8 @@ _ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 class Robot:
     """Kinematics and dynamics of the articulated part of a scene, cheap enough for 1 kHz.
 
-    Free and mocap bodies are objects, not robot, and are left out. Everything is computed by
-    one :meth:`update`; the queries after it only read.
+    Free and mocap bodies are objects, not robot, and are left out. :meth:`update` computes what
+    every torque needs; placements, Jacobians and inertia follow when they are first asked for.
 
     Parameters
     ----------
@@ -35,8 +35,10 @@ class Robot:
         Limits in rad (or m), rad/s, Nm; infinite where the model sets none.
     objects : dict of str to (position (3,), quaternion (4,))
         What the robot sees of the world: where objects are at this moment [m].
-    bias, gravity : (n,), (n,)
-        Coriolis and gravity torque, gravity torque alone, of the last update.
+    state, q, dq : (2 n,), (n,), (n,)
+        Joint angles over velocities, and views of both, of the last update.
+    bias : (n,)
+        Coriolis and gravity torque of the last update.
     """
 
     def __init__(self, model: mujoco.MjModel):
@@ -53,9 +55,8 @@ class Robot:
         self.torque_limit = self._motor_limits(ids)
         self.velocity_limit = _velocity_limits(model, ids)
         self.passive_damping = model.dof_damping[self.dof].copy()
-        self._mass = None
+        self._mass, self._placed = None, False
         self.bias = np.zeros(self.n)
-        self.gravity = np.zeros(self.n)
         self._below = np.tril_indices(self.n, -1)
         self.objects = {}
 
@@ -76,12 +77,11 @@ class Robot:
         return limit
 
     def update(self, q, dq) -> None:
-        """Compute placements, Jacobians and bias(q, dq) at q (n,), dq (n,)."""
-        model, data = self.pin_model, self.pin_data
-        pin.computeJointJacobians(model, data, q)
-        pin.updateFramePlacements(model, data)
-        self.bias = pin.nonLinearEffects(model, data, q, dq)
-        self.q, self.dq, self._mass = q, dq, None
+        """Take over a state q (n,), dq (n,), and compute bias(q, dq)."""
+        self.state = state = np.concatenate((q, dq))
+        self.q, self.dq = state[: self.n], state[self.n :]
+        self.bias = pin.nonLinearEffects(self.pin_model, self.pin_data, self.q, self.dq)
+        self._mass, self._placed = None, False
 
     @property
     def mass(self) -> np.ndarray:
@@ -94,10 +94,13 @@ class Robot:
         return self._mass
 
     def update_kinematics(self, q) -> None:
-        """Compute placements and Jacobians only, at q (n,)."""
-        pin.computeJointJacobians(self.pin_model, self.pin_data, q)
+        """Take over a posture q (n,) only."""
+        self.q, self._mass, self._placed = q, None, False
+
+    def _place(self):
+        pin.computeJointJacobians(self.pin_model, self.pin_data, self.q)
         pin.updateFramePlacements(self.pin_model, self.pin_data)
-        self.q, self._mass = q, None
+        self._placed = True
 
     def inverse_mass(self) -> np.ndarray:
         """Inverse (n, n) of M(q) of the last update."""
@@ -118,13 +121,25 @@ class Robot:
 
     def placement(self, site: int) -> tuple[np.ndarray, np.ndarray]:
         """Rotation (3, 3) and position (3,) [m] of a site in the world."""
+        if not self._placed:
+            self._place()
         placement = self.pin_data.oMf[site]
         return placement.rotation, placement.translation
 
     def jacobian(self, site: int) -> np.ndarray:
         """World-aligned Jacobian (6, n) of a site: linear velocity over angular velocity."""
+        if not self._placed:
+            self._place()
         J = pin.getFrameJacobian(self.pin_model, self.pin_data, site, _ALIGNED)
         return J.reshape(6, -1)
+
+
+def as_slice(index) -> slice | np.ndarray:
+    """Indices (k,) as a slice, where they follow each other: it selects a view, and faster."""
+    first = int(index[0])
+    if np.array_equal(index, np.arange(first, first + len(index))):
+        return slice(first, first + len(index))
+    return index
 
 
 def _velocity_limits(model, ids):

@@ -1,5 +1,6 @@
 """Roll-outs: a controller drives the robot at 1 kHz, people push and lead it, all is recorded."""
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -78,52 +79,69 @@ def rollout(
 
 
 class _Log:
-    """Samples of one roll-out."""
+    """Samples of one roll-out: kept as they come, and made into signals all at once."""
 
     def __init__(self, simulation, sites, surroundings):
         self._simulation, self._surroundings = simulation, surroundings
         self._sites = {name: simulation.robot.site(site) for name, site in sites.items()}
-        self._rows = []
+        self._samples = defaultdict(list)
 
     def add(self, torque, controller):
-        robot, surroundings = self._simulation.robot, self._surroundings
-        impedance = controller.impedance()
-        reference = impedance.reference
-        row = {
-            "time": self._simulation.time,
-            "q": robot.q,
-            "dq": robot.dq,
-            "torque": torque,
-            "torque_feedforward": controller.feedforward,
-            "reference": reference,
-            # What asks for more than the joints can do is out of reach.
-            "beyond_limits": (reference < robot.lower) | (reference > robot.upper),
-            "stiffness": np.diagonal(impedance.stiffness),
-            "damping": np.diagonal(impedance.damping),
-            "saturated_steps": surroundings.saturated,
-            "contact_steps": surroundings.contacts,
-            "push_wrench": np.zeros(6),
-            "push_point": np.zeros(3),
-        }
+        robot, surroundings, keep = self._simulation.robot, self._surroundings, self._samples
+        keep["time"].append(self._simulation.time)
+        keep["saturated_steps"].append(surroundings.saturated)
+        keep["contact_steps"].append(surroundings.contacts)
+        keep["state"].append(robot.state)
+        keep["torque"].append(torque)
+        keep["torque_feedforward"].append(controller.feedforward)
+        keep["impedance"].append(controller.impedance())
         for person in surroundings.people:
-            wrench, point = f"{person.name}_wrench", f"{person.name}_point"
-            if person.wrench.any() or wrench not in row:
-                row[point] = person.point
-            row[wrench] = row.get(wrench, 0.0) + person.wrench
+            keep[person, "wrench"].append(person.wrench)
+            keep[person, "point"].append(person.point)
         for name, site in self._sites.items():
             R, p = robot.placement(site)
-            row[f"{name}_position"], row[f"{name}_quaternion"] = p.copy(), R.copy()
-            if name.endswith("hand"):
-                stiffness = hand_stiffness(robot, impedance.stiffness, site)
-                row[f"{name}_stiffness"] = stiffness[:3, :3]
+            keep[name, "rotation"].append(R.copy())
+            keep[name, "position"].append(p.copy())
+            keep[name, "jacobian"].append(robot.jacobian(site))
         for name, (position, quaternion) in self._simulation.objects.items():
-            row[f"{name}_position"] = position.copy()
-            row[f"{name}_quaternion"] = quaternion.copy()
-        self._rows.append(row)
+            keep[name, "position"].append(position.copy())
+            keep[name, "quaternion"].append(quaternion.copy())
 
-    def arrays(self):
-        arrays = {name: np.array([row[name] for row in self._rows]) for name in self._rows[0]}
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Signals (T, ...) by name."""
+        robot, keep = self._simulation.robot, self._samples
+        counted = "time", "saturated_steps", "contact_steps", "torque", "torque_feedforward"
+        signals = {name: np.array(keep[name]) for name in counted}
+        signals["q"], signals["dq"] = np.split(np.array(keep["state"]), 2, axis=1)
+        stiffness, damping, reference = (
+            np.array([getattr(impedance, part) for impedance in keep["impedance"]])
+            for part in ("stiffness", "damping", "reference")
+        )
+        signals["stiffness"] = np.einsum("tii->ti", stiffness)
+        signals["damping"] = np.einsum("tii->ti", damping)
+        signals["reference"] = reference
+        # What asks for more than the joints can do is out of reach.
+        signals["beyond_limits"] = (reference < robot.lower) | (reference > robot.upper)
+        signals |= self._pushed(len(reference))
         for name in self._sites:
-            quaternions = rotation.to_quaternion(arrays[f"{name}_quaternion"])
-            arrays[f"{name}_quaternion"] = rotation.continuous(quaternions)
-        return arrays
+            turned = rotation.to_quaternion(np.array(keep[name, "rotation"]))
+            signals[f"{name}_position"] = np.array(keep[name, "position"])
+            signals[f"{name}_quaternion"] = rotation.continuous(turned)
+            if name.endswith("hand"):
+                felt = hand_stiffness(keep[name, "jacobian"], stiffness)
+                signals[f"{name}_stiffness"] = felt[:, :3, :3]
+        for name in self._simulation.objects:
+            for part in ("position", "quaternion"):
+                signals[f"{name}_{part}"] = np.array(keep[name, part])
+        return signals
+
+    def _pushed(self, samples):
+        """Wrenches by the names of people, those of one name added up, and where they act."""
+        signals = {"push_wrench": np.zeros((samples, 6)), "push_point": np.zeros((samples, 3))}
+        for person in self._surroundings.people:
+            wrench, point = f"{person.name}_wrench", f"{person.name}_point"
+            acts, at = (np.array(self._samples[person, part]) for part in ("wrench", "point"))
+            busy = acts.any(axis=1, keepdims=True)
+            signals[point] = np.where(busy, at, signals.get(point, at))
+            signals[wrench] = signals.get(wrench, 0.0) + acts
+        return signals

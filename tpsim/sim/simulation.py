@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from tpsim.errors import SimulationError
-from tpsim.sim.robot import Robot
+from tpsim.sim.robot import Robot, as_slice
 
 
 class Simulation:
@@ -36,9 +36,8 @@ class Simulation:
         self.data = mujoco.MjData(self.model)
         self.robot = Robot(self.model)
         self.objects = self.robot.objects = self._movable()
-        # Slices keep views of MuJoCo's arrays where the robot's joints come first, as ours do.
-        self._qpos, self._dof = _as_slice(self.robot.qpos), _as_slice(self.robot.dof)
-        self._actuator = _as_slice(self.robot.actuator)
+        self._qpos, self._dof = as_slice(self.robot.qpos), as_slice(self.robot.dof)
+        self._actuator = as_slice(self.robot.actuator)
         self._states = self.data.qpos, self.data.qvel, self.data.ctrl
         key = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_KEY, "home")
         if key < 0:
@@ -121,10 +120,3 @@ class Simulation:
         """Advance one time step with joint torques (n,) [Nm]."""
         self._states[2][self._actuator] = torque
         mujoco.mj_step(self.model, self.data)
-
-
-def _as_slice(index):
-    first = int(index[0])
-    if np.array_equal(index, np.arange(first, first + len(index))):
-        return slice(first, first + len(index))
-    return index

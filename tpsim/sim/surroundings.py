@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tpsim.sim.hand import Guide
-from tpsim.sim.objects import ObjectPath
+from tpsim.sim.objects import MovingObjects, ObjectPath
 from tpsim.sim.push import Push
 from tpsim.sim.simulation import Simulation
 
@@ -43,9 +43,8 @@ class Surroundings:
     ):
         self._simulation = simulation
         self._limit = simulation.robot.torque_limit
-        self._least = -self._limit
         self.people = [person.bind(simulation) for person in people]
-        self._objects = [path.bind(simulation) for path in objects]
+        self._objects = MovingObjects(objects, simulation)
         self._step = self.saturated = self.contacts = 0
 
     def reset(self, start) -> None:
@@ -56,9 +55,8 @@ class Surroundings:
     def sense(self) -> None:
         """Move the objects to where they are now, and update the robot."""
         simulation = self._simulation
-        for path in self._objects:
-            path.act(self._step)
-        simulation.robot.update(simulation.q.copy(), simulation.dq.copy())
+        self._objects.act(self._step)
+        simulation.robot.update(simulation.q, simulation.dq)
 
     @property
     def diverged(self) -> bool:
@@ -70,13 +68,15 @@ class Surroundings:
 
     def act(self, wanted) -> np.ndarray:
         """Let people act; torque (n,) [Nm] that the motors give when (n,) is wanted."""
-        torque = np.minimum(np.maximum(wanted, self._least), self._limit)
-        self.saturated += np.count_nonzero(torque != wanted) > 0
         if self.people:
             self._simulation.clear_wrenches()
             for person in self.people:
                 person.act(self._step)
-        return torque
+        # Not a number is not within the limit either.
+        if np.count_nonzero(np.abs(wanted) <= self._limit) == len(wanted):
+            return wanted
+        self.saturated += 1
+        return np.minimum(np.maximum(wanted, -self._limit), self._limit)
 
     def advance(self, torque) -> None:
         """Let one time step pass with joint torques (n,) [Nm] within the motors' limits."""

@@ -20,7 +20,7 @@ from tpsim.sim.controller import Behaviour
 from tpsim.sim.coordinate import Coordinate
 from tpsim.sim.direction import Direction, DirectionTo, PostureBeneath
 from tpsim.sim.hand import Guide, Hand
-from tpsim.sim.objects import ObjectPath
+from tpsim.sim.objects import MovingObjects, ObjectPath
 from tpsim.sim.posture_script import hand_path, posture_at, through
 from tpsim.sim.regression import TimedIntervention
 from tpsim.sim.script import Variation
@@ -149,7 +149,7 @@ class Pointing(Task):
     def _aim(self, simulation, path: ObjectPath, rng):
         """Posture (n,) that points at an object at rest, bent as the teacher likes it."""
         preferred = self._near_rest(simulation, rng, BENT)
-        path.bind(simulation).act(0)
+        MovingObjects([path], simulation).act(0)
         coordinates = self._towards(path.name), self._posture(simulation, preferred)
         return posture_at(simulation.robot, coordinates, preferred)
 

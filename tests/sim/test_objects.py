@@ -6,7 +6,7 @@ import pytest
 from tpsim import rotation
 from tpsim.errors import ArgumentError
 from tpsim.sim import scene
-from tpsim.sim.controller import FixedImpedance
+from tpsim.sim.controllers.controller import FixedImpedance
 from tpsim.sim.objects import MovingObjects, ObjectPath
 from tpsim.sim.rollout import rollout
 from tpsim.sim.simulation import Simulation

@@ -5,7 +5,7 @@ import pytest
 
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.sim import scene
-from tpsim.sim.controller import FixedImpedance, GravityCompensation
+from tpsim.sim.controllers.controller import FixedImpedance, GravityCompensation
 from tpsim.sim.push import Push
 from tpsim.sim.rollout import rollout
 from tpsim.sim.simulation import Simulation

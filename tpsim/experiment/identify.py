@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 
 from tpsim.errors import SimulationError
-from tpsim.sim.controller import Controller, hand_stiffness
+from tpsim.sim.controllers.controller import Controller, hand_stiffness
 from tpsim.sim.simulation import Simulation
 
 SETTLED = 2e-5

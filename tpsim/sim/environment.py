@@ -13,8 +13,8 @@ from dm_env import specs
 
 from tpsim import rotation
 from tpsim.errors import ArgumentError
-from tpsim.sim.controller import Controller, FixedImpedance
-from tpsim.sim.coordinate import Coordinate
+from tpsim.sim.controllers.controller import Controller, FixedImpedance
+from tpsim.sim.coordinates.coordinate import Coordinate
 from tpsim.sim.hand import Guide
 from tpsim.sim.objects import ObjectPath
 from tpsim.sim.push import Push

@@ -6,7 +6,7 @@ import numpy as np
 
 from tpsim import rotation
 from tpsim.errors import ArgumentError, SimulationError
-from tpsim.sim.coordinate import Coordinate
+from tpsim.sim.coordinates.coordinate import Coordinate
 from tpsim.sim.hand import Path
 from tpsim.sim.robot import Robot
 from tpsim.sim.script import Variation, wandering

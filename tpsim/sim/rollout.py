@@ -7,7 +7,7 @@ import numpy as np
 
 from tpsim import rotation
 from tpsim.errors import ArgumentError
-from tpsim.sim.controller import Controller, hand_stiffness
+from tpsim.sim.controllers.controller import Controller, hand_stiffness
 from tpsim.sim.hand import Guide
 from tpsim.sim.objects import ObjectPath
 from tpsim.sim.push import Push

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tpsim.errors import ArgumentError, SimulationError
-from tpsim.sim.controller import GravityCompensation
+from tpsim.sim.controllers.controller import GravityCompensation
 from tpsim.sim.hand import Guide
 from tpsim.sim.objects import ObjectPath
 from tpsim.sim.rollout import rollout

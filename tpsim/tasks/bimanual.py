@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tpsim import rotation
-from tpsim.sim.coordinate import HandPose, RelativePose, SelfMotion
+from tpsim.sim.coordinates.coordinate import HandPose, RelativePose, SelfMotion
 from tpsim.sim.hand import Guide, Hand
 from tpsim.sim.reach import reach
 from tpsim.sim.script import Variation, script

@@ -12,8 +12,8 @@ from tpsim import rotation
 from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.sim import scene
-from tpsim.sim.controller import Behaviour, Controller, FixedImpedance
-from tpsim.sim.minimal_intervention import MinimalIntervention
+from tpsim.sim.controllers.controller import Behaviour, Controller, FixedImpedance
+from tpsim.sim.controllers.minimal_intervention import MinimalIntervention
 from tpsim.sim.simulation import Simulation
 from tpsim.tasks import cup, sugar
 from tpsim.tasks.bimanual import SITES, Hands

@@ -16,13 +16,13 @@ from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.subspace import MFA
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
-from tpsim.sim.controller import Behaviour
-from tpsim.sim.coordinate import Coordinate
-from tpsim.sim.direction import Direction, DirectionTo, PostureBeneath
+from tpsim.sim.controllers.controller import Behaviour
+from tpsim.sim.controllers.timed_intervention import TimedIntervention
+from tpsim.sim.coordinates.coordinate import Coordinate
+from tpsim.sim.coordinates.direction import Direction, DirectionTo, PostureBeneath
 from tpsim.sim.hand import Guide, Hand
 from tpsim.sim.objects import MovingObjects, ObjectPath
 from tpsim.sim.posture_script import hand_path, posture_at, through
-from tpsim.sim.regression import TimedIntervention
 from tpsim.sim.script import Variation
 from tpsim.sim.simulation import Simulation
 from tpsim.sim.teach import Lesson

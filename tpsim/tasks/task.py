@@ -9,8 +9,8 @@ from tpsim.control import projection
 from tpsim.demonstration import Demonstration
 from tpsim.errors import SimulationError
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
-from tpsim.sim.controller import Controller
-from tpsim.sim.coordinate import Coordinate
+from tpsim.sim.controllers.controller import Controller
+from tpsim.sim.coordinates.coordinate import Coordinate
 from tpsim.sim.hand import Guide
 from tpsim.sim.objects import ObjectPath
 from tpsim.sim.push import Push

@@ -15,12 +15,12 @@ from tpsim import rotation
 from tpsim.errors import ArgumentError
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.sim import scene
-from tpsim.sim.controller import Behaviour
-from tpsim.sim.coordinate import Coordinate
-from tpsim.sim.following import Following, FollowingBeneath, PostureBeneathHands
+from tpsim.sim.controllers.controller import Behaviour
+from tpsim.sim.controllers.pursuit import Pursuit
+from tpsim.sim.coordinates.coordinate import Coordinate
+from tpsim.sim.coordinates.following import Following, FollowingBeneath, PostureBeneathHands
 from tpsim.sim.hand import Guide, Hand, Path
 from tpsim.sim.objects import ObjectPath
-from tpsim.sim.pursuit import Pursuit
 from tpsim.sim.script import Variation, minimum_jerk, wandering
 from tpsim.sim.simulation import Simulation
 from tpsim.sim.teach import Lesson

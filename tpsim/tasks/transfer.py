@@ -25,8 +25,8 @@ from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.pose import coordinates, object_frame
 from tpsim.retrieval.gmr import gmr
 from tpsim.sim import scene
-from tpsim.sim.coordinate import Coordinate, HandPose, Posture
-from tpsim.sim.horizon import FiniteHorizon
+from tpsim.sim.controllers.finite_horizon import FiniteHorizon
+from tpsim.sim.coordinates.coordinate import Coordinate, HandPose, Posture
 from tpsim.sim.simulation import Simulation
 from tpsim.sim.teach import Lesson, demonstrate
 from tpsim.sim.trial import Trial

@@ -8,8 +8,8 @@ from tpsim.control.poses import SeenMovement
 from tpsim.errors import ArgumentError
 from tpsim.pose import coordinates
 from tpsim.sim import scene
-from tpsim.sim.controller import hand_stiffness
-from tpsim.sim.horizon import FiniteHorizon
+from tpsim.sim.controllers.controller import hand_stiffness
+from tpsim.sim.controllers.finite_horizon import FiniteHorizon
 from tpsim.sim.rollout import rollout
 from tpsim.sim.simulation import Simulation
 

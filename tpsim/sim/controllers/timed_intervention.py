@@ -6,7 +6,7 @@ from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.gaussian import Gaussian
 from tpsim.retrieval.gmr import Regression
-from tpsim.sim.controller import Behaviour, Impedance, RenewedImpedance
+from tpsim.sim.controllers.controller import Behaviour, Impedance, RenewedImpedance
 from tpsim.sim.simulation import Simulation
 
 PERIOD = 0.03
@@ -19,9 +19,8 @@ class TimedIntervention(RenewedImpedance):
     The model's frames observe time and a coordinate, Eq. (20). At every period the components are
     carried from all frames into joint space, around the present posture and the present objects,
     and multiplied in information form; the mixture over (t, q) is conditioned on the time. What
-    comes out, a Gaussian of the posture, sets reference, stiffness and damping as in
-    :class:`~tpsim.sim.minimal_intervention.MinimalIntervention`: they last for one period, while
-    the torque follows the robot's state at 1 kHz.
+    comes out, a Gaussian of the posture, sets reference, stiffness and damping for one period by
+    the optimum of :mod:`~tpsim.sim.controllers.minimal_intervention`.
 
     Parameters
     ----------

@@ -7,8 +7,8 @@ from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.gaussian import Gaussian
-from tpsim.sim.controller import Behaviour, Impedance, RenewedImpedance
-from tpsim.sim.coordinate import Posture
+from tpsim.sim.controllers.controller import Behaviour, Impedance, RenewedImpedance
+from tpsim.sim.coordinates.coordinate import Posture
 from tpsim.sim.robot import Robot
 
 

@@ -13,7 +13,7 @@ from math import hypot
 import numpy as np
 from scipy.linalg.lapack import dposv
 
-from tpsim.sim.coordinate import Coordinate
+from tpsim.sim.coordinates.coordinate import Coordinate
 
 DAMPING = 0.01
 """Singular value of a hand's Jacobian below which its nullspace grows [m/rad]."""

@@ -10,8 +10,8 @@ import numpy as np
 
 from tpsim.errors import ArgumentError
 from tpsim.learning.tp_gmm import TPGMM
-from tpsim.sim.coordinate import Coordinate
-from tpsim.sim.guard import Guard
+from tpsim.sim.controllers.guard import Guard
+from tpsim.sim.coordinates.coordinate import Coordinate
 from tpsim.sim.robot import Robot
 
 

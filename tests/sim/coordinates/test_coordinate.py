@@ -6,7 +6,7 @@ import pytest
 from tpsim.control import projection
 from tpsim.errors import ArgumentError
 from tpsim.sim import scene
-from tpsim.sim.coordinate import HandPose, Posture, RelativePose, SelfMotion
+from tpsim.sim.coordinates.coordinate import HandPose, Posture, RelativePose, SelfMotion
 from tpsim.sim.simulation import Simulation
 from tpsim.tasks.bimanual import Hands
 

@@ -9,9 +9,9 @@ from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.retrieval.gmr import gmr
 from tpsim.sim import scene
-from tpsim.sim.controller import Behaviour
-from tpsim.sim.direction import Direction, DirectionTo, PostureBeneath
-from tpsim.sim.regression import TimedIntervention
+from tpsim.sim.controllers.controller import Behaviour
+from tpsim.sim.controllers.timed_intervention import TimedIntervention
+from tpsim.sim.coordinates.direction import Direction, DirectionTo, PostureBeneath
 from tpsim.sim.simulation import Simulation
 
 EFFORT = 0.05

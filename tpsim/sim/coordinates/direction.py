@@ -13,7 +13,7 @@ import numpy as np
 import pinocchio as pin
 from scipy.linalg.lapack import dposv
 
-from tpsim.sim.coordinate import Coordinate
+from tpsim.sim.coordinates.coordinate import Coordinate
 
 NEAR = 0.1
 """Distance [m] to an object below which its direction fades."""

@@ -11,8 +11,8 @@ from tpsim.control.poses import SeenMovement, fuse_poses, track_poses
 from tpsim.control.system import integrator
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
-from tpsim.sim.controller import Controller, FixedImpedance, Impedance
-from tpsim.sim.coordinate import HandPose
+from tpsim.sim.controllers.controller import Controller, FixedImpedance, Impedance
+from tpsim.sim.coordinates.coordinate import HandPose
 from tpsim.sim.simulation import Simulation
 
 LOOK = 0.1

@@ -8,8 +8,8 @@ from tpsim.control import projection
 from tpsim.errors import ArgumentError
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.sim import scene
-from tpsim.sim.controller import Behaviour, hand_stiffness
-from tpsim.sim.minimal_intervention import MinimalIntervention
+from tpsim.sim.controllers.controller import Behaviour, hand_stiffness
+from tpsim.sim.controllers.minimal_intervention import MinimalIntervention
 from tpsim.sim.simulation import Simulation
 from tpsim.tasks.bimanual import Hands
 

@@ -6,7 +6,7 @@ import pytest
 from tpsim import rotation
 from tpsim.control.planar import numeric_jacobian
 from tpsim.sim import scene
-from tpsim.sim.direction import NEAR, Direction, DirectionTo, PostureBeneath
+from tpsim.sim.coordinates.direction import NEAR, Direction, DirectionTo, PostureBeneath
 from tpsim.sim.simulation import Simulation
 
 ARMS = {

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
-from tpsim.sim.controller import Behaviour, Impedance
-from tpsim.sim.minimal_intervention import MinimalIntervention
+from tpsim.sim.controllers.controller import Behaviour, Impedance
+from tpsim.sim.controllers.minimal_intervention import MinimalIntervention
 from tpsim.sim.simulation import Simulation
 
 STEADY = 0.1
@@ -32,7 +32,7 @@ class Pursuit(MinimalIntervention):
     simulation : Simulation
         Gives the time and shows the objects.
     behaviours : sequence of Behaviour
-        Their coordinates are those of :mod:`tpsim.sim.following`.
+        Their coordinates are those of :mod:`tpsim.sim.coordinates.following`.
     effort : float
         Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement.
     every : int

@@ -5,7 +5,7 @@ import pytest
 
 from tpsim.control import projection
 from tpsim.sim import scene
-from tpsim.sim.following import Following, FollowingBeneath, PostureBeneathHands
+from tpsim.sim.coordinates.following import Following, FollowingBeneath, PostureBeneathHands
 from tpsim.sim.simulation import Simulation
 
 LEFT = Following("left", "left_hand", "left_object")

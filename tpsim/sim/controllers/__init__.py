@@ -1,0 +1,1 @@
+"""Torque controllers: one law, and where its reference, stiffness and damping come from."""

@@ -85,7 +85,7 @@ def test_the_impedance_is_the_slope_of_the_torque(simulation):
                 state = np.array([simulation.home, np.zeros(14)])
                 state[part, k] += sign * h
                 robot.update(*state)
-                law._calls = 0  # the inertia of this very posture
+                law._left = 0  # the inertia of this very posture
                 torques.append(law.feedback())
             slope = (torques[0] - torques[1]) / (2 * h)
             # Near the reference the Jacobian's own change adds little.

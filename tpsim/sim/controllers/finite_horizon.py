@@ -11,7 +11,7 @@ from tpsim.control.poses import SeenMovement, fuse_poses, track_poses
 from tpsim.control.system import integrator
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
-from tpsim.sim.controllers.controller import Controller, FixedImpedance, Impedance
+from tpsim.sim.controllers.controller import Impedance, RenewedImpedance
 from tpsim.sim.coordinates.coordinate import HandPose
 from tpsim.sim.simulation import Simulation
 
@@ -31,7 +31,7 @@ SINGULAR = 0.05
 """Mobility [1/kg], [1/(kg m^2)] below which the arm counts as unable to move its hand."""
 
 PERIOD = 8
-"""Time steps for which the arm's inertia and damping are kept: they change slowly."""
+"""Time steps for which stiffness, damping and the velocity of the reference last."""
 
 POSTURES = 40
 """Number of taught postures in which the cost of torque is computed, at least."""
@@ -40,7 +40,7 @@ HOLD = 400.0
 """Stiffness [1/s^2] of the joints that do not belong to the arm."""
 
 
-class FiniteHorizon(Controller):
+class FiniteHorizon(RenewedImpedance):
     """A hand carried along a movement that objects see, by finite-horizon LQT (Eqs 34-38).
 
     The hand's pose y, six coordinates in a chart about its last orientation, is a double
@@ -83,7 +83,7 @@ class FiniteHorizon(Controller):
         effort: float,
     ):
         robot = simulation.robot
-        super().__init__(robot)
+        super().__init__(robot, PERIOD)
         self._simulation, self._site, self._movements = simulation, site, movements
         self._objects = [simulation.objects[name] for name in objects]
         first = robot.joints.index(joints[0])
@@ -101,7 +101,7 @@ class FiniteHorizon(Controller):
         self._swivels, self._swivel_brakes = (gains[near] for gains in swivels)
         self._effort = effort * cost[near]
         self._weakest = (STRENGTH * robot.torque_limit[self._arm]) ** -2.0
-        self._hold, self._seen, self._next_look, self._calls = None, None, 0.0, 0
+        self._rest, self._seen, self._next_look = None, None, 0.0
 
     def _torques(self, postures):
         """Inertia (T, m, m) in postures, and |tau|^2 of the hand's acceleration there.
@@ -126,21 +126,41 @@ class FiniteHorizon(Controller):
         values, V = np.linalg.eigh(J @ dposv(M, J.T)[1])
         return (V / np.maximum(values, SINGULAR)) @ V.T
 
-    def feedback(self) -> np.ndarray:
-        """Torque (n,) [Nm] against error and velocity at the robot's last update."""
-        robot, arm = self.robot, self._arm
-        if self._hold is None:
-            self._hold = FixedImpedance(robot, robot.q, HOLD)
-        if self._simulation.time >= self._next_look:
-            self._look()
-        self._observe()
-        torque = self._hold.feedback()
-        torque[arm] = self._pull() - self._damping @ robot.dq[arm]
-        return torque
+    def renew(self) -> Impedance:
+        """The law of this moment in joint space: from the hand's force to torques.
 
-    def _look(self):
+        Swivelling is left to the nullspace ``M - J^T L J``, in which it moves no hand.
+        """
+        robot, arm, time = self.robot, self._arm, self._simulation.time
+        if self._rest is None:
+            self._rest = robot.q
+        if time >= self._next_look:
+            self._look(time)
+        step, spring, change = self._law(time)
+        y, J = self._evaluate()
+        J, M = J[:, arm], robot.mass
+        lever = J.T @ self._felt_inertia(M[arm, arm], J)
+        null = M[arm, arm] - lever @ J
+        swivel = null @ self._swivels[step]
+        # The other joints hold still, critically damped.
+        stiffness, damping = HOLD * M, 2 * HOLD**0.5 * M
+        stiffness[arm, arm] = swivel - lever @ spring[:, :6] @ J
+        damping[arm, arm] = null @ self._swivel_brakes[step]
+        damping[arm, arm] += lever @ self._brakes[step - self._first] @ J
+        y = np.append(y, 1.0)
+        pull = lever @ (spring @ y) + swivel @ (self._posture[step] - robot.q[arm])
+        # Only what pulls is cut: the brakes must hold what it has set in motion.
+        cut = max(1.0, np.sqrt(pull * pull @ self._weakest))
+        stiffness[arm, arm] /= cut
+        wanted = np.stack([pull, lever @ (change @ y)], axis=1) / cut
+        way, speed = np.linalg.solve(stiffness[arm, arm], wanted).T
+        way -= np.linalg.solve(stiffness[arm, arm], damping[arm, arm] @ speed)
+        reference, velocity = self._rest.copy(), np.zeros(robot.n)
+        reference[arm], velocity[arm] = robot.q[arm] + way, speed
+        return Impedance(stiffness, damping, reference, velocity)
+
+    def _look(self, time):
         """Plan, if there is none or an object has moved since."""
-        time = self._simulation.time
         self._next_look = time + LOOK - 1e-9
         seen = np.concatenate([part for pose in self._objects for part in pose])
         if self._seen is None or np.abs(seen - self._seen).max() > MOVED:
@@ -167,44 +187,12 @@ class FiniteHorizon(Controller):
         self._springs = np.dstack([-feedback.gain[..., :6], feedback.feedforward])[kept]
         self._slopes = np.diff(self._springs, axis=0)
         self._evaluate = HandPose("hand", self._site, tuple(reference.ravel())).bind(self.robot)
-        self._calls = 0
 
-    def _observe(self):
-        """Find the law of this moment, linear between two steps, and the state of the hand."""
-        since = self._simulation.time / self._dt - self._first
+    def _law(self, time):
+        """Step of the movement, and spring there with its rate of change, linear between steps."""
+        since = time / self._dt - self._first
         k = min(max(int(since), 0), len(self._slopes) - 1)
-        self._spring = self._springs[k] + min(max(since - k, 0.0), 1.0) * self._slopes[k]
-        self._y, J = self._evaluate()
-        if self._calls % PERIOD == 0:
-            self._grip(k, J[:, self._arm])
-        self._calls += 1
-
-    def _grip(self, k, J):
-        """Bring the law into joint space for a while: from the hand's force to torques.
-
-        Swivelling is left to the nullspace ``M - J^T L J``, in which it moves no hand.
-        """
-        M, step = self.robot.mass[self._arm, self._arm], min(k + self._first, self._steps - 1)
-        lever = J.T @ self._felt_inertia(M, J)
-        null = M - lever @ J
-        self._J, self._lever, self._wanted = J, lever, self._posture[step]
-        self._swivel = null @ self._swivels[step]
-        self._damping = null @ self._swivel_brakes[step] + lever @ self._brakes[k] @ J
-
-    def _pull(self):
-        """Torque (m,) of the arm that does not depend on its velocity."""
-        pull = self._lever @ (self._spring[:, :6] @ self._y + self._spring[:, 6])
-        pull += self._swivel @ (self._wanted - self.robot.q[self._arm])
-        # Only what pulls is cut: the brakes must hold what it has set in motion.
-        excess = pull * pull @ self._weakest
-        return pull if excess <= 1 else pull / excess**0.5
-
-    def impedance(self) -> Impedance:
-        """Stiffness, damping and reference of the last :meth:`feedback`."""
-        arm, held = self._arm, self._hold.impedance()
-        stiffness, damping, reference = held.stiffness, held.damping, held.reference.copy()
-        stiffness[arm, arm] = self._swivel - self._lever @ self._spring[:, :6] @ self._J
-        damping[arm, arm] = self._damping
-        away = np.linalg.solve(stiffness[arm, arm], self._pull())
-        reference[arm] = self.robot.q[arm] + away
-        return Impedance(stiffness, damping, reference)
+        share = min(max(since - k, 0.0), 1.0)
+        rate = self._slopes[k] / self._dt if share < 1 else np.zeros_like(self._slopes[k])
+        step = min(k + self._first, self._steps - 1)
+        return step, self._springs[k] + share * self._slopes[k], rate

@@ -45,7 +45,7 @@ class Pursuit(MinimalIntervention):
         behaviours: Sequence[Behaviour],
         *,
         effort: float,
-        every: int = 40,
+        every: int = 25,
     ):
         super().__init__(simulation.robot, behaviours, effort=effort, every=every)
         self._simulation, self._solved = simulation, None
@@ -60,7 +60,8 @@ class Pursuit(MinimalIntervention):
         speed = dgesv(now.damping, pull)[2]
         share = np.abs(pull) / (STRENGTH * robot.torque_limit)
         excess = max(share.max(), (np.abs(speed) / robot.velocity_limit).max())
-        return replace(now.weaker(max(1.0, excess)), velocity=self._keep_up())
+        held = now if excess <= 1 else now.weaker(excess)
+        return replace(held, velocity=self._keep_up())
 
     def _keep_up(self):
         """Joint velocity (n,) [rad/s] that keeps up with the frames."""

@@ -21,6 +21,7 @@ from tpsim.experiment.teaching import learn as learn
 from tpsim.experiment.teaching import teach as teach
 from tpsim.sim import rendering
 from tpsim.sim.push import Push
+from tpsim.sim.rollout import RECORD_PERIOD
 from tpsim.sim.video import film as write_film
 from tpsim.tasks.task import Task
 from tpsim.whole import whole_path
@@ -173,13 +174,12 @@ def _experiment(run, task, study, simulation, models, situations, pushes, worker
 
 def _realtime_factor(condition, task, simulation, models) -> float:
     """Simulated over processor time of one trial, physics, control and recording: best of four."""
-    short = replace(condition, duration=2.0)
     spent = []
     for _ in range(4):
         began = time.process_time()
-        short.perform(task, simulation, models)
+        trial = condition.perform(task, simulation, models)
         spent.append(time.process_time() - began)
-    return 2.0 / min(spent)
+    return RECORD_PERIOD * len(trial["time"]) / min(spent)
 
 
 def _film(run, study, simulation, models, records, taught) -> tuple[Path | None, str]:

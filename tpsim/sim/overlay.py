@@ -60,7 +60,7 @@ def _new(scene: mujoco.MjvScene, kind: mujoco.mjtGeom, rgba: tuple) -> mujoco.Mj
 
 
 class Caption:
-    """A bar at the foot of the picture: title, subtitle, the clock and the push that acts."""
+    """A bar at the foot of the picture: title, subtitle, the clock and the force that acts."""
 
     def __init__(self, title: str, subtitle: str, width: int, height: int):
         unit = height / 720
@@ -85,7 +85,7 @@ class Caption:
         if force >= _SMALLEST_FORCE:
             right -= pen.textlength("000.0 s", self._font) + self._margin
             colour = tuple(round(255 * c) for c in _ARROW[:3])
-            pen.text((right, middle), f"push {force:.0f} N", colour, self._font, anchor="rm")
+            pen.text((right, middle), f"force {force:.0f} N", colour, self._font, anchor="rm")
         below = picture[-self._bar :]
         below[:] = (0.12 * below + 0.88 * np.asarray(image)).astype(np.uint8)
 

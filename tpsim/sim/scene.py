@@ -60,8 +60,8 @@ def baxter(objects: Mapping[str, str] | None = None, held: str | None = None) ->
         ``data.mocap_quat``, and touch nothing. They start on an arc before the robot. The
         keyframe ``home`` is ``READY``.
     held : str, optional
-        Model of what is between the fingers of the left gripper, such as ``"sugar"``; they are
-        empty by default.
+        Model of what is between the fingers of the left gripper, such as ``"sugar"``, or
+        ``"beam"`` to see where it points; they are empty by default.
 
     Returns
     -------

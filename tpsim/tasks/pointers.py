@@ -36,6 +36,8 @@ class Pointer:
         Sites that recordings keep, by name.
     place : callable
         Draws the position (3,) [m] of an object by a generator.
+    camera : str
+        From where a film shows it best.
     """
 
     scene: Callable[[], str]
@@ -47,6 +49,7 @@ class Pointer:
     grips: tuple[tuple[str, bool], ...]
     sites: dict[str, str]
     place: Callable[[np.random.Generator], np.ndarray]
+    camera: str
 
     def objects(self, rng, origin) -> dict[str, np.ndarray]:
         """Positions (3,) [m] of both objects, well apart as seen from an origin (3,)."""
@@ -78,11 +81,12 @@ PLANAR = Pointer(
     grips=(("tip", True),),
     sites={"tip": "tip", "elbow": "joint2", "wrist": "joint3"},
     place=_on_the_floor,
+    camera="hero",
 )
 """The planar arm of three links: the first to the right, the others ahead, as in Fig. 10."""
 
 BAXTER = Pointer(
-    scene=lambda: scene.baxter(dict.fromkeys(OBJECTS, "marker")),
+    scene=lambda: scene.baxter(dict.fromkeys(OBJECTS, "marker"), held="beam"),
     joints=tuple(f"left_{joint}" for joint in ("s0", "s1", "e0", "e1", "w0", "w1", "w2")),
     free=tuple(f"left_{joint}" for joint in ("s0", "s1", "e0", "e1", "w2")),
     site="left_gripper",
@@ -91,5 +95,6 @@ BAXTER = Pointer(
     grips=(("left_gripper", True), ("left_elbow", False)),
     sites={"left_hand": "left_gripper", "left_elbow": "left_elbow"},
     place=_on_the_table,
+    camera="side",
 )
 """Baxter's left arm, whose gripper points along its own axis."""

@@ -222,7 +222,10 @@ class PointingStudy(Study):
             for name in OBJECTS
         }
         clock, q = trial["time"], trial["q"]
-        return Clip(scene, clock, q, title, subtitle, arrows, objects=objects, speed=speed)
+        camera = self.task.pointer.camera
+        return Clip(
+            scene, clock, q, title, subtitle, arrows, objects=objects, camera=camera, speed=speed
+        )
 
 
 def _moved(situation: Situation, rng, heading, move) -> Situation:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tpsim.errors import ArgumentError
+from tpsim.sim.trial import Trial
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,34 @@ class Clip:
     objects: dict[str, np.ndarray] = field(default_factory=dict)
     camera: str = ""
     speed: float = 1.0
+
+    @classmethod
+    def of(cls, scene: str, trial: Trial, title: str, subtitle: str, objects=(), **drawn) -> "Clip":
+        """A recorded trial with all forces of people as arrows.
+
+        Parameters
+        ----------
+        scene : str
+            MJCF text.
+        trial : Trial
+        title, subtitle : str
+            Caption.
+        objects : iterable of str
+            Names of recorded objects that move.
+        **drawn
+            Other fields of the clip.
+        """
+        arrows = tuple(
+            Arrow(trial[name.replace("_wrench", "_point")], wrench[:, :3])
+            for name, wrench in trial.arrays.items()
+            if name.endswith("_wrench")
+        )
+        poses = {
+            name: np.hstack([trial[f"{name}_position"], trial[f"{name}_quaternion"]])
+            for name in objects
+        }
+        clock, q = trial["time"], trial["q"]
+        return cls(scene, clock, q, title, subtitle, arrows, objects=poses, **drawn)
 
     def __post_init__(self):
         length = np.size(self.time)

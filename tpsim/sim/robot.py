@@ -6,7 +6,6 @@ The Pinocchio model is built from the compiled MjModel, so there is one source f
 import mujoco
 import numpy as np
 import pinocchio as pin
-from scipy.linalg.lapack import dpotrf, dpotri
 
 from tpsim.errors import SimulationError
 
@@ -101,13 +100,6 @@ class Robot:
         pin.computeJointJacobians(self.pin_model, self.pin_data, self.q)
         pin.updateFramePlacements(self.pin_model, self.pin_data)
         self._placed = True
-
-    def inverse_mass(self) -> np.ndarray:
-        """Inverse (n, n) of M(q) of the last update."""
-        inverse, _ = dpotri(dpotrf(self.mass, lower=1)[0], lower=1)
-        inverse = np.ascontiguousarray(inverse)
-        inverse.T[self._below] = inverse[self._below]
-        return inverse
 
     def gravity_torque(self, q) -> np.ndarray:
         """Torque (n,) [Nm] that holds the robot still at q (n,)."""

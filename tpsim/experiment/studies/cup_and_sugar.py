@@ -8,7 +8,7 @@ import numpy as np
 from tpsim import tasks
 from tpsim.experiment.conditions import Condition, Lead
 from tpsim.experiment.identify import identify_stiffness
-from tpsim.experiment.metrics import Measure, displacement, mean_force, rms
+from tpsim.experiment.metrics import displacement, mean_force, rms
 from tpsim.experiment.studies.cup_and_sugar_measures import (
     DIRECTIONS,
     ELBOW_PUSH,
@@ -19,7 +19,7 @@ from tpsim.experiment.studies.cup_and_sugar_measures import (
     tilt,
 )
 from tpsim.experiment.studies.cup_and_sugar_pictures import clips, sections
-from tpsim.experiment.studies.study import Phases, Records, Study, select
+from tpsim.experiment.studies.study import Phases, Records, Study, health, select
 from tpsim.sim.push import Push
 from tpsim.sim.trial import Trial
 from tpsim.tasks.task import Situation
@@ -27,10 +27,34 @@ from tpsim.tasks.task import Situation
 CONTROLLERS = ("learned", "stiff", "soft")
 
 
+_WORDS = (
+    ("tilt_max_deg", "Cup tilt, largest", "deg", 5.0, False),
+    ("tilt_rms_deg", "Cup tilt, rms", "deg", 2.5, False),
+    ("offset_max_mm", "Sugar from its taught place, largest", "mm", 15.0, False),
+    ("offset_rms_mm", "Sugar from its taught place, rms", "mm", 8.0, False),
+    ("displacement_mean_mm", "Pushed hand yields, mean of peaks", "mm", 40.0, True),
+    ("stiff_displacement_mean_mm", "The same under stiff fixed gains", "mm", None, False),
+    ("soft_displacement_mean_mm", "The same under soft fixed gains", "mm", None, False),
+    ("stiff_offset_max_mm", "Sugar offset under stiff fixed gains, largest", "mm", None, False),
+    ("soft_offset_max_mm", "Sugar offset under soft fixed gains, largest", "mm", None, False),
+    ("force_ratio", "Force for the same displacement, stiff over learned", "x", 3.0, True),
+    ("elbow_displacement_min_mm", "Pushed elbow moves, least", "mm", 20.0, True),
+    ("elbow_offset_max_mm", "Sugar offset while the elbow is pushed", "mm", 5.0, False),
+    ("lead_offset_max_mm", "Sugar offset while the left hand is led 15 cm", "mm", 20.0, False),
+    ("lead_force_mean_N", "Force that the leading person feels, mean", "N", 15.0, False),
+    ("stiffness_error_percent", "Stiffness felt against commanded, error", "%", 3.0, False),
+    ("saturated_percent", "Time steps with a saturated motor", "%", 1.0, False),
+    ("diverged", "Diverged trials", "", 0, False),
+    ("contacts", "Trials in which something touched", "", 0, False),
+    ("realtime_factor", "Faster than real time, one core", "x", 8.0, True),
+)
+
+
 class CupAndSugarStudy(Study):
     """Ten unseen situations, six pushes each, every push beside its unpushed twin."""
 
     title = "Cup and sugar"
+    words = _WORDS
     lead = (
         "Two behaviours were taught apart by leading the weightless arms: hold the cup level, "
         "and keep the sugar above it. The robot performs both at once where it was never shown, "
@@ -86,12 +110,8 @@ class CupAndSugarStudy(Study):
             figures |= {"offset_max_mm": offsets.max(), "offset_rms_mm": rms(offsets)}
         figures |= self._yielding(records, models)
         steps = sum(round(t["time"][-1] * 1000) for t in trials)
-        figures |= {
-            "saturated_steps": int(sum(t["saturated_steps"][-1] for t in trials)),
-            "saturated_percent": 100 * sum(t["saturated_steps"][-1] for t in trials) / steps,
-            "diverged": sum(t.outcome == "diverged" for t in trials),
-            "contacts": sum(t.outcome == "contact" for t in trials),
-        }
+        figures |= health(trials)
+        figures["saturated_percent"] = 100 * figures["saturated_steps"] / steps
         return {k: v if isinstance(v, int) else float(v) for k, v in figures.items()}
 
     def _yielding(self, records, models):
@@ -143,14 +163,6 @@ class CupAndSugarStudy(Study):
             errors.append(np.linalg.norm(measured - commanded) / np.linalg.norm(commanded))
         return {"stiffness_error_percent": float(100 * max(errors))}
 
-    def measures(self, figures) -> list[Measure]:
-        """The figures in words, with the limits that the project set itself."""
-        return [
-            Measure(words, figures[name], unit, limit, at_least)
-            for name, words, unit, limit, at_least in _WORDS
-            if name in figures
-        ]
-
     def clips(self, simulation, models, records, demonstrations: Mapping[str, Sequence[Trial]]):
         """The four sequences of Fig. 9."""
         return clips(simulation, models, demonstrations, self.task, tasks)
@@ -159,29 +171,6 @@ class CupAndSugarStudy(Study):
 def _while_pushed(trial, place):
     """Largest offset [mm] from the push on: what comes before is the way from the start."""
     return offset(trial, place)[trial["time"] >= 2.0].max()
-
-
-_WORDS = (
-    ("tilt_max_deg", "Cup tilt, largest", "deg", 5.0, False),
-    ("tilt_rms_deg", "Cup tilt, rms", "deg", 2.5, False),
-    ("offset_max_mm", "Sugar from its taught place, largest", "mm", 15.0, False),
-    ("offset_rms_mm", "Sugar from its taught place, rms", "mm", 8.0, False),
-    ("displacement_mean_mm", "Pushed hand yields, mean of peaks", "mm", 40.0, True),
-    ("stiff_displacement_mean_mm", "The same under stiff fixed gains", "mm", None, False),
-    ("soft_displacement_mean_mm", "The same under soft fixed gains", "mm", None, False),
-    ("stiff_offset_max_mm", "Sugar offset under stiff fixed gains, largest", "mm", None, False),
-    ("soft_offset_max_mm", "Sugar offset under soft fixed gains, largest", "mm", None, False),
-    ("force_ratio", "Force for the same displacement, stiff over learned", "x", 3.0, True),
-    ("elbow_displacement_min_mm", "Pushed elbow moves, least", "mm", 20.0, True),
-    ("elbow_offset_max_mm", "Sugar offset while the elbow is pushed", "mm", 5.0, False),
-    ("lead_offset_max_mm", "Sugar offset while the left hand is led 15 cm", "mm", 20.0, False),
-    ("lead_force_mean_N", "Force that the leading person feels, mean", "N", 15.0, False),
-    ("stiffness_error_percent", "Stiffness felt against commanded, error", "%", 3.0, False),
-    ("saturated_percent", "Time steps with a saturated motor", "%", 1.0, False),
-    ("diverged", "Diverged trials", "", 0, False),
-    ("contacts", "Trials in which something touched", "", 0, False),
-    ("realtime_factor", "Faster than real time, one core", "x", 8.0, True),
-)
 
 
 def study(task) -> CupAndSugarStudy:

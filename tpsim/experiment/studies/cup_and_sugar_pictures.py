@@ -11,7 +11,7 @@ from tpsim.experiment.studies import cup_and_sugar_measures as measures
 from tpsim.experiment.studies.study import select
 from tpsim.sim.push import Push
 from tpsim.sim.trial import Trial
-from tpsim.sim.video import Arrow, Clip, Ellipsoid
+from tpsim.sim.video import Clip, Ellipsoid
 
 _NAMES = {"learned": "learned", "stiff": "fixed, stiff", "soft": "fixed, soft"}
 
@@ -136,24 +136,17 @@ def _pushed(simulation, models, task):
 
 def clip(scene: str, trial: Trial, title: str, subtitle: str, *, speed: float = 1.0) -> Clip:
     """A recorded trial with forces as arrows, hand traces and stiffness ellipsoids."""
-    arrows = [
-        Arrow(trial[name.replace("_wrench", "_point")], wrench[:, :3])
-        for name, wrench in trial.arrays.items()
-        if name.endswith("_wrench")
-    ]
     ellipsoids = [
         Ellipsoid(trial[f"{hand}_hand_position"], trial[f"{hand}_hand_stiffness"])
         for hand in ("left", "right")
         if f"{hand}_hand_stiffness" in trial.arrays
     ]
-    return Clip(
+    return Clip.of(
         scene,
-        trial["time"],
-        trial["q"],
+        trial,
         title,
         subtitle,
-        tuple(arrows),
-        (trial["cup_position"], trial["sugar_position"]),
-        tuple(ellipsoids),
+        traces=(trial["cup_position"], trial["sugar_position"]),
+        ellipsoids=tuple(ellipsoids),
         speed=speed,
     )

@@ -8,13 +8,19 @@ import numpy as np
 from tpsim import rotation
 from tpsim.experiment import plot
 from tpsim.experiment.conditions import Condition
-from tpsim.experiment.metrics import Measure
 from tpsim.experiment.report import Picture, Section
-from tpsim.experiment.studies.study import Phases, Records, Study, select
+from tpsim.experiment.studies.study import (
+    Phases,
+    Records,
+    Study,
+    health,
+    select,
+    unreachable_samples,
+)
 from tpsim.sim.objects import ObjectPath
 from tpsim.sim.push import Push
 from tpsim.sim.trial import Trial
-from tpsim.sim.video import Arrow, Clip
+from tpsim.sim.video import Clip
 from tpsim.tasks.pointers import OBJECTS, Pointer
 from tpsim.tasks.pointing import APPROACH, HURRY, PHASES
 from tpsim.tasks.task import Situation
@@ -68,6 +74,26 @@ def recovery(trial: Trial, pointer: Pointer, name: str, jump: float) -> float:
     return float(clock[wide[-1] + 1]) if wide[-1] + 1 < len(clock) else np.inf
 
 
+_WORDS = (
+    ("angle_deg", "Angle error, objects at rest or moving, worst phase", "deg", 1.5, False),
+    ("angle_moving_deg", "The same, moving objects only", "deg", 1.5, False),
+    ("angle_pushed_deg", "Angle error pushed with 10 N, worst phase", "deg", 4.0, False),
+    ("angle_moving_pushed_deg", "The same, moving objects only", "deg", 4.0, False),
+    ("posture_rad", "Final posture from the taught one, farthest joint", "rad", 0.1, False),
+    ("jump_recovery_s", "Time to make good a jump of an object, longest", "s", 0.5, False),
+    ("saturated_steps", "Time steps with a saturated motor", "", None, False),
+    ("unreachable_samples", "Samples that asked for a posture beyond limits", "", None, False),
+    ("diverged", "Diverged trials", "", 0, False),
+    ("contacts", "Trials in which something touched", "", 0, False),
+)
+
+
+def _speed(task):
+    """The speed asked of a small arm, and of one with fourteen joints."""
+    least = 25.0 if len(task.rest) < 7 else 8.0
+    return "realtime_factor", "Faster than real time, one core", "x", least, True
+
+
 class PointingStudy(Study):
     """Unseen objects: at rest, moving, jumping; pushes in both phases."""
 
@@ -78,6 +104,11 @@ class PointingStudy(Study):
         "found in the demonstrations alone. The arm then points where it was never shown, at "
         "objects that move while it does, and gives way to pushes that do not spoil the pointing."
     )
+
+    @property
+    def words(self):
+        """What the report says of each figure."""
+        return *_WORDS, _speed(self.task)
 
     def phases(self, simulation, models, seed, situations, pushes) -> Phases:
         """Every situation at rest, moving and jumping; the same pushes at rest and moving."""
@@ -126,12 +157,7 @@ class PointingStudy(Study):
             figures["posture_rad"] = max(self._posture(t) for t in whole)
         if jumps := [self._recovery(c, t) for c, t in records if c.label == "jump"]:
             figures["jump_recovery_s"] = max(jumps)
-        return figures | {
-            "saturated_steps": int(sum(t["saturated_steps"][-1] for t in trials)),
-            "unreachable_samples": int(sum(t["beyond_limits"].any(1).sum() for t in trials)),
-            "diverged": sum(t.outcome == "diverged" for t in trials),
-            "contacts": sum(t.outcome == "contact" for t in trials),
-        }
+        return figures | health(trials) | {"unreachable_samples": unreachable_samples(trials)}
 
     def _angles(self, trials):
         return [phase_angle(t, self.task.pointer, name) for t in trials for name in OBJECTS]
@@ -144,14 +170,6 @@ class PointingStudy(Study):
         paths = [ObjectPath(**path) for path in condition.situation.details["objects"]]
         pointer = self.task.pointer
         return max(recovery(trial, pointer, path.name, path.times[-1]) for path in paths)
-
-    def measures(self, figures) -> list[Measure]:
-        """The figures in words, with the limits that the project set itself."""
-        return [
-            Measure(words, figures[name], unit, limit, at_least)
-            for name, words, unit, limit, at_least in (*_WORDS, _speed(self.task))
-            if name in figures
-        ]
 
     def sections(self, records: Records, models) -> list[Section]:
         """Angles to both objects over time, and the learned precision of the frames."""
@@ -212,20 +230,8 @@ class PointingStudy(Study):
         return shown
 
     def _clip(self, scene, trial, title, subtitle, speed) -> Clip:
-        arrows = tuple(
-            Arrow(trial[name.replace("_wrench", "_point")], wrench[:, :3])
-            for name, wrench in trial.arrays.items()
-            if name.endswith("_wrench")
-        )
-        objects = {
-            name: np.hstack([trial[f"{name}_position"], trial[f"{name}_quaternion"]])
-            for name in OBJECTS
-        }
-        clock, q = trial["time"], trial["q"]
         camera = self.task.pointer.camera
-        return Clip(
-            scene, clock, q, title, subtitle, arrows, objects=objects, camera=camera, speed=speed
-        )
+        return Clip.of(scene, trial, title, subtitle, OBJECTS, camera=camera, speed=speed)
 
 
 def _moved(situation: Situation, rng, heading, move) -> Situation:
@@ -253,26 +259,6 @@ def _spread(gaussian, k):
     """Root mean square deviation of a component's coordinates when the time is known."""
     rest = gaussian[k].condition([gaussian.mean[k, 0]], [0]).covariance
     return np.sqrt(np.trace(rest) / len(rest))
-
-
-_WORDS = (
-    ("angle_deg", "Angle error, objects at rest or moving, worst phase", "deg", 1.5, False),
-    ("angle_moving_deg", "The same, moving objects only", "deg", 1.5, False),
-    ("angle_pushed_deg", "Angle error pushed with 10 N, worst phase", "deg", 4.0, False),
-    ("angle_moving_pushed_deg", "The same, moving objects only", "deg", 4.0, False),
-    ("posture_rad", "Final posture from the taught one, farthest joint", "rad", 0.1, False),
-    ("jump_recovery_s", "Time to make good a jump of an object, longest", "s", 0.5, False),
-    ("saturated_steps", "Time steps with a saturated motor", "", None, False),
-    ("unreachable_samples", "Samples that asked for a posture beyond limits", "", None, False),
-    ("diverged", "Diverged trials", "", 0, False),
-    ("contacts", "Trials in which something touched", "", 0, False),
-)
-
-
-def _speed(task):
-    """The speed asked of a small arm, and of one with fourteen joints."""
-    least = 25.0 if len(task.rest) < 7 else 8.0
-    return "realtime_factor", "Faster than real time, one core", "x", least, True
 
 
 def study(task) -> PointingStudy:

@@ -26,10 +26,13 @@ class Study:
     task : Task
     title, lead : str
         Heading and opening paragraph of the report.
+    words : sequence of (name, words, unit, limit or None, at_least)
+        What the report says of each figure, in this order.
     """
 
     title: str
     lead: str
+    words: Sequence[tuple[str, str, str, float | None, bool]]
 
     def __init__(self, task: Task):
         self.task = task
@@ -54,8 +57,12 @@ class Study:
         return {}
 
     def measures(self, figures: Mapping) -> list[Measure]:
-        """The figures with names in words, units and limits."""
-        raise NotImplementedError
+        """The figures that there are in words, with the limits that the project set itself."""
+        return [
+            Measure(words, figures[name], unit, limit, at_least)
+            for name, words, unit, limit, at_least in self.words
+            if name in figures
+        ]
 
     def sections(self, records: Records, models: Mapping[str, TPGMM]) -> list[Section]:
         """Sections of the report."""
@@ -75,3 +82,17 @@ class Study:
 def select(records: Records, label: str, controller: str = "learned") -> list[Trial]:
     """The trials of one group of conditions."""
     return [t for c, t in records if c.label == label and c.controller == controller]
+
+
+def health(trials: Sequence[Trial]) -> dict:
+    """What went wrong in some trials: saturated motors, divergence, contact."""
+    return {
+        "saturated_steps": int(sum(trial["saturated_steps"][-1] for trial in trials)),
+        "diverged": sum(trial.outcome == "diverged" for trial in trials),
+        "contacts": sum(trial.outcome == "contact" for trial in trials),
+    }
+
+
+def unreachable_samples(trials: Sequence[Trial]) -> int:
+    """Number of samples in which a posture beyond the joints' limits was asked for."""
+    return int(sum(trial["beyond_limits"].any(1).sum() for trial in trials))

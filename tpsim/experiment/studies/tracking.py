@@ -7,12 +7,11 @@ import numpy as np
 
 from tpsim.experiment import plot
 from tpsim.experiment.conditions import Condition
-from tpsim.experiment.metrics import Measure
 from tpsim.experiment.report import Picture, Section
-from tpsim.experiment.studies.study import Phases, Records, Study
+from tpsim.experiment.studies.study import Phases, Records, Study, health, unreachable_samples
 from tpsim.sim.push import Push
 from tpsim.sim.trial import Trial
-from tpsim.sim.video import Arrow, Clip
+from tpsim.sim.video import Clip
 from tpsim.tasks.leaning import Body
 from tpsim.tasks.tracking import SECONDS, SIDES, VIAS, teaching
 
@@ -76,10 +75,28 @@ def _rms(values):
     return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
 
 
+_WORDS = (
+    ("rms_mm", "Both objects in reach: distance of a hand, rms, worst", "mm", 10.0, False),
+    ("rms_pushed_mm", "Both in reach, pushed with 10 N", "mm", 10.0, False),
+    ("priority_rms_mm", "Not both: distance of the first hand, rms, worst", "mm", 15.0, False),
+    ("priority_rms_pushed_mm", "The first hand, pushed with 10 N", "mm", 15.0, False),
+    ("other_distance_ratio", "The other hand, over the least possible, worst", "", 1.1, False),
+    ("other_distance_ratio_pushed", "The other hand, pushed with 10 N", "", 1.1, False),
+    ("compromise_ratio", "A compromise: off the taught split, worst", "", 0.15, False),
+    ("compromise_ratio_pushed", "A compromise, pushed with 10 N", "", 0.15, False),
+    ("saturated_steps", "Time steps with a saturated motor", "", None, False),
+    ("unreachable_samples", "Samples that asked for a posture beyond limits", "", None, False),
+    ("diverged", "Diverged trials", "", 0, False),
+    ("contacts", "Trials in which something touched", "", 0, False),
+    ("realtime_factor", "Faster than real time, one core", "x", 25.0, True),
+)
+
+
 class TrackingStudy(Study):
     """Unseen paths of both objects, followed as each of the three teachings has it; pushes."""
 
     title = "Tracking two objects with priorities"
+    words = _WORDS
     lead = (
         "Two hands that share a trunk were led after two moving objects, which at times could not "
         "both be reached. The teacher then gave priority to the left hand, to the right hand, or "
@@ -122,20 +139,7 @@ class TrackingStudy(Study):
             ]
             figures |= _worst(found, suffix)
         trials = [trial for _, trial in records]
-        return figures | {
-            "saturated_steps": int(sum(t["saturated_steps"][-1] for t in trials)),
-            "unreachable_samples": int(sum(t["beyond_limits"].any(1).sum() for t in trials)),
-            "diverged": sum(t.outcome == "diverged" for t in trials),
-            "contacts": sum(t.outcome == "contact" for t in trials),
-        }
-
-    def measures(self, figures) -> list[Measure]:
-        """The figures in words, with the limits that the project set itself."""
-        return [
-            Measure(words, figures[name], unit, limit, at_least)
-            for name, words, unit, limit, at_least in _WORDS
-            if name in figures
-        ]
+        return figures | health(trials) | {"unreachable_samples": unreachable_samples(trials)}
 
     def sections(self, records: Records, models) -> list[Section]:
         """Distance of each hand from its object over time, teaching by teaching."""
@@ -164,15 +168,20 @@ class TrackingStudy(Study):
     ) -> list[Clip]:
         """A demonstration and a reproduction of every teaching, and a push."""
         scene, shown = simulation.xml, []
+        objects = [f"{side}_object" for side in SIDES]
         for name in self.task.behaviours:
             caption = CAPTIONS[teaching(name)]
             if trials := demonstrations.get(name):
-                shown.append(_clip(scene, trials[0], "Demonstration", caption, 3.0))
+                shown.append(
+                    Clip.of(scene, trials[0], "Demonstration", caption, objects, speed=3.0)
+                )
             if trials := self._select(records, "unpushed", name):
-                shown.append(_clip(scene, trials[-1], "Reproduction", caption, 2.0))
+                shown.append(
+                    Clip.of(scene, trials[-1], "Reproduction", caption, objects, speed=2.0)
+                )
         if trials := self._select(records, "pushed", self.task.behaviours[-1]):
             words = "a person pushes with 10 N"
-            shown.append(_clip(scene, trials[-1], "Reproduction", words, 1.0))
+            shown.append(Clip.of(scene, trials[-1], "Reproduction", words, objects, speed=1.0))
         return shown
 
 
@@ -204,39 +213,9 @@ def _worst(outcomes: Sequence[tuple[str, Outcome]], suffix: str) -> dict:
     }
 
 
-def _clip(scene: str, trial: Trial, title: str, subtitle: str, speed: float) -> Clip:
-    arrows = tuple(
-        Arrow(trial[name.replace("_wrench", "_point")], wrench[:, :3])
-        for name, wrench in trial.arrays.items()
-        if name.endswith("_wrench")
-    )
-    objects = {
-        name: np.hstack([trial[f"{name}_position"], trial[f"{name}_quaternion"]])
-        for name in (f"{side}_object" for side in SIDES)
-    }
-    clock, q = trial["time"], trial["q"]
-    return Clip(scene, clock, q, title, subtitle, arrows, objects=objects, speed=speed)
-
-
 _DISTANCE = (
     "Thin lines are trials, the thick one is their median. The objects are together at the start, "
     "in the middle and at the end, and too far apart for both hands between."
-)
-
-_WORDS = (
-    ("rms_mm", "Both objects in reach: distance of a hand, rms, worst", "mm", 10.0, False),
-    ("rms_pushed_mm", "Both in reach, pushed with 10 N", "mm", 10.0, False),
-    ("priority_rms_mm", "Not both: distance of the first hand, rms, worst", "mm", 15.0, False),
-    ("priority_rms_pushed_mm", "The first hand, pushed with 10 N", "mm", 15.0, False),
-    ("other_distance_ratio", "The other hand, over the least possible, worst", "", 1.1, False),
-    ("other_distance_ratio_pushed", "The other hand, pushed with 10 N", "", 1.1, False),
-    ("compromise_ratio", "A compromise: off the taught split, worst", "", 0.15, False),
-    ("compromise_ratio_pushed", "A compromise, pushed with 10 N", "", 0.15, False),
-    ("saturated_steps", "Time steps with a saturated motor", "", None, False),
-    ("unreachable_samples", "Samples that asked for a posture beyond limits", "", None, False),
-    ("diverged", "Diverged trials", "", 0, False),
-    ("contacts", "Trials in which something touched", "", 0, False),
-    ("realtime_factor", "Faster than real time, one core", "x", 25.0, True),
 )
 
 

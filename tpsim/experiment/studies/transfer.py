@@ -6,8 +6,7 @@ import numpy as np
 
 from tpsim import rotation
 from tpsim.experiment.conditions import Condition
-from tpsim.experiment.metrics import Measure
-from tpsim.experiment.studies.study import Phases, Records, Study, select
+from tpsim.experiment.studies.study import Phases, Records, Study, health, select
 from tpsim.experiment.studies.transfer_pictures import clips, sections
 from tpsim.sim.objects import ObjectPath
 from tpsim.sim.push import Push
@@ -48,10 +47,30 @@ def path_rms(trial: Trial, teacher: Trial) -> float:
     return 1e3 * max(float(np.sqrt(np.mean(apart.min(axis) ** 2))) for axis in (0, 1))
 
 
+_WORDS = (
+    ("end_mm", "End from the second dock, worst", "mm", 5.0, False),
+    ("end_deg", "The same, orientation", "deg", 3.0, False),
+    ("end_pushed_mm", "End after a push of 10 N, worst", "mm", 5.0, False),
+    ("end_pushed_deg", "The same, orientation", "deg", 3.0, False),
+    ("end_moved_mm", "End where the docks have moved, worst", "mm", 5.0, False),
+    ("end_moved_deg", "The same, orientation", "deg", 3.0, False),
+    ("end_far_mm", "End twice as far from what was taught, worst", "mm", 5.0, False),
+    ("end_far_deg", "The same, orientation", "deg", 3.0, False),
+    ("path_rms_mm", "Path from the teacher's own, rms, worst trial", "mm", 30.0, False),
+    ("path_pushed_rms_mm", "The same, while pushed with 10 N", "mm", None, False),
+    ("saturated_steps", "Time steps with a saturated motor", "", None, False),
+    ("unreachable", "Trials that ended out of reach", "", None, False),
+    ("diverged", "Diverged trials", "", 0, False),
+    ("contacts", "Trials in which something touched", "", 0, False),
+    ("realtime_factor", "Faster than real time, one core", "x", 8.0, True),
+)
+
+
 class TransferStudy(Study):
     """Unseen docks, as near to each other as taught and twice as far; moved; pushed."""
 
     title = "Transfer between two docks"
+    words = _WORDS
     lead = (
         "The weightless arm was led to carry a cube out of one dock into another. How to leave "
         "the first and enter the second was found in the demonstrations alone: it is what each "
@@ -98,24 +117,8 @@ class TransferStudy(Study):
             if paths:
                 figures[name] = max(paths)
         trials = [t for c, t in records if c.controller == "learned"]
-        return figures | {
-            "saturated_steps": int(sum(t["saturated_steps"][-1] for t in trials)),
-            "unreachable": sum(t.outcome == "unreachable" for t in trials),
-            "diverged": sum(t.outcome == "diverged" for t in trials),
-            "contacts": sum(t.outcome == "contact" for t in trials),
-        }
-
-    def probe(self, simulation, models) -> dict:
-        """Nothing beside the trials."""
-        return {}
-
-    def measures(self, figures) -> list[Measure]:
-        """The figures in words, with the limits that the project set itself."""
-        return [
-            Measure(words, figures[name], unit, limit, at_least)
-            for name, words, unit, limit, at_least in _WORDS
-            if name in figures
-        ]
+        missed = sum(t.outcome == "unreachable" for t in trials)
+        return figures | health(trials) | {"unreachable": missed}
 
 
 def _moved(situation: Situation, elsewhere: docks.Docks) -> Situation:
@@ -151,24 +154,6 @@ _ENDS = {
     "end_far": ("far", "far pushed"),
 }
 """Which trials count for which figure."""
-
-_WORDS = (
-    ("end_mm", "End from the second dock, worst", "mm", 5.0, False),
-    ("end_deg", "The same, orientation", "deg", 3.0, False),
-    ("end_pushed_mm", "End after a push of 10 N, worst", "mm", 5.0, False),
-    ("end_pushed_deg", "The same, orientation", "deg", 3.0, False),
-    ("end_moved_mm", "End where the docks have moved, worst", "mm", 5.0, False),
-    ("end_moved_deg", "The same, orientation", "deg", 3.0, False),
-    ("end_far_mm", "End twice as far from what was taught, worst", "mm", 5.0, False),
-    ("end_far_deg", "The same, orientation", "deg", 3.0, False),
-    ("path_rms_mm", "Path from the teacher's own, rms, worst trial", "mm", 30.0, False),
-    ("path_pushed_rms_mm", "The same, while pushed with 10 N", "mm", None, False),
-    ("saturated_steps", "Time steps with a saturated motor", "", None, False),
-    ("unreachable", "Trials that ended out of reach", "", None, False),
-    ("diverged", "Diverged trials", "", 0, False),
-    ("contacts", "Trials in which something touched", "", 0, False),
-    ("realtime_factor", "Faster than real time, one core", "x", 8.0, True),
-)
 
 
 def study(task) -> TransferStudy:

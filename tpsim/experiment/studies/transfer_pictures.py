@@ -2,8 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from tpsim import rotation
 from tpsim.experiment import plot
 from tpsim.experiment.canvas import INK, PALETTE, new_figure
@@ -12,7 +10,7 @@ from tpsim.experiment.report import Picture, Section
 from tpsim.experiment.studies.study import select
 from tpsim.frame import Frame
 from tpsim.sim.trial import Trial
-from tpsim.sim.video import Arrow, Clip, Ellipsoid
+from tpsim.sim.video import Clip, Ellipsoid
 from tpsim.tasks import docks
 from tpsim.tasks.transfer import end_error
 
@@ -112,28 +110,18 @@ def clips(simulation, models, records, demonstrations: Mapping[str, Sequence[Tri
 
 
 def _clip(scene: str, trial: Trial, title: str, subtitle: str, speed: float = 1.0) -> Clip:
-    arrows = tuple(
-        Arrow(trial[name.replace("_wrench", "_point")], wrench[:, :3])
-        for name, wrench in trial.arrays.items()
-        if name.endswith("_wrench")
-    )
     # It would hide the docks where nothing shows that the hand is soft.
     ellipsoids = ()
     if trial["push_wrench"].any() and title != DEMONSTRATION:
         ellipsoids = (Ellipsoid(trial["left_hand_position"], trial["left_hand_stiffness"]),)
-    return Clip(
+    return Clip.of(
         scene,
-        trial["time"],
-        trial["q"],
+        trial,
         title,
         subtitle,
-        arrows,
-        (trial["left_hand_position"],),
-        ellipsoids,
-        {
-            name: np.hstack([trial[f"{name}_position"], trial[f"{name}_quaternion"]])
-            for name in docks.NAMES
-        },
+        docks.NAMES,
+        traces=(trial["left_hand_position"],),
+        ellipsoids=ellipsoids,
         camera="hands",
         speed=speed,
     )

@@ -5,13 +5,47 @@ is a curve that linear systems can follow. From one chart to another, as from an
 the common one, the map is smooth but not affine; its affine part near a pose is the frame of Eq. 4.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from tpsim import rotation
 from tpsim.frame import Frame
 
-Pose = tuple[np.ndarray, np.ndarray]
-"""Rotation (..., 3, 3) and position (..., 3) [m]."""
+
+class Pose(NamedTuple):
+    """Rotation matrix and position of a body or an object in some frame.
+
+    Parameters
+    ----------
+    rotation : (..., 3, 3)
+    position : (..., 3)
+        [m]
+    """
+
+    rotation: np.ndarray
+    position: np.ndarray
+
+    def __matmul__(self, other: "Pose") -> "Pose":  # type: ignore[override]
+        """Pose ``other``, given in this frame, in the frame in which this one is given."""
+        turned = (self.rotation @ other.position[..., None])[..., 0]
+        return Pose(self.rotation @ other.rotation, self.position + turned)
+
+    @property
+    def inverse(self) -> "Pose":
+        """The outer frame as seen from this one."""
+        back = np.swapaxes(self.rotation, -1, -2)
+        return Pose(back, -(back @ self.position[..., None])[..., 0])
+
+    @property
+    def quaternion(self) -> np.ndarray:
+        """Unit quaternion (..., 4), (w, x, y, z)."""
+        return rotation.to_quaternion(self.rotation)
+
+    @classmethod
+    def of_quaternion(cls, position: np.ndarray, quaternion: np.ndarray) -> "Pose":
+        """Pose of a position (..., 3) [m] and a unit quaternion (..., 4), (w, x, y, z)."""
+        return cls(rotation.from_quaternion(quaternion), np.asarray(position, float))
 
 
 def coordinates(pose: Pose, reference: np.ndarray, seen_from: Pose | None = None) -> np.ndarray:

@@ -36,7 +36,7 @@ def views_of(observations: Views) -> tuple[list[np.ndarray], list[int]]:
     """Views (N, d_j) of all frames, and the lengths of the sequences they are made of."""
     observations = list(observations)
     if observations and all(isinstance(o, Demonstration) for o in observations):
-        counts = {len(demonstration.frames) for demonstration in observations}
+        counts = {len(demonstration.observations) for demonstration in observations}
         dims = {tuple(v.shape[1] for v in d.observations) for d in observations}
         if len(dims) != 1 or counts == {0}:
             raise ArgumentError(

@@ -1,0 +1,135 @@
+"""Minimal intervention is the tutorial's product of projected Gaussians, made into impedance."""
+
+import numpy as np
+import pytest
+
+from tpsim import Gaussian, impedance
+from tpsim.control import projection
+from tpsim.controllers.minimal_intervention import MinimalIntervention
+from tpsim.controllers.product import Skill
+from tpsim.errors import ArgumentError
+from tpsim.learning.tp_gmm import TPGMM
+from tpsim.tasks.cup_and_sugar import sugar
+from tpsim.world.impedance import Drive, hand_stiffness
+
+EFFORT = 0.3
+
+
+@pytest.fixture
+def robot(cup_world):
+    return cup_world.robot
+
+
+def skill(robot, names=tuple(sugar.VIEWS), seed=0, components=1):
+    """A skill with random precisions about home."""
+    rng = np.random.default_rng(seed)
+    frames, views = [], {name: sugar.VIEWS[name] for name in names}
+    for view in views.values():
+        y = view(robot.at_home).value
+        L = rng.standard_normal((components, y.size, y.size))
+        covariance = 0.01 * (L @ np.swapaxes(L, -1, -2) + 0.5 * np.eye(y.size))
+        mean = y + 0.02 * rng.standard_normal((components, y.size))
+        frames.append(Gaussian(mean, covariance))
+    return Skill(views, TPGMM(np.full(components, 1 / components), tuple(frames)))
+
+
+@pytest.fixture
+def state(robot):
+    rng = np.random.default_rng(1)
+    q = robot.home + 0.1 * rng.standard_normal(robot.n)
+    return robot.at(q, 0.3 * rng.standard_normal(robot.n))
+
+
+def command(state, skills, **settings):
+    return MinimalIntervention(skills, **settings).command(state, 0.0)
+
+
+def test_the_reference_and_gains_are_those_of_adapt_and_impedance(robot, state):
+    taught = skill(robot)
+    now = command(state, [taught], effort=EFFORT)
+    frames = []
+    for view in taught.views.values():
+        seen = view(state)
+        frames.append(projection.absolute(seen.jacobian, state.q, seen.value))
+    product = taught.model.adapt(frames).gaussians[0]
+    np.testing.assert_allclose(now.reference, product.mean, atol=1e-7)
+    K, D = impedance(product.precision, EFFORT * state.mass)
+    np.testing.assert_allclose(now.stiffness, state.mass @ K, rtol=1e-6, atol=1e-5)
+    np.testing.assert_allclose(now.damping, state.mass @ D, rtol=1e-6, atol=1e-5)
+
+
+def test_the_torque_is_spring_damper_and_what_is_known(robot, state):
+    now = command(state, [skill(robot)], effort=EFFORT)
+    torque = Drive(robot, 1e-3).torque(now, state)
+    spring = now.stiffness @ (now.reference - state.q) - now.damping @ state.dq
+    known = state.bias + robot.damping * state.dq
+    np.testing.assert_allclose(torque, spring + known, atol=1e-9)
+
+
+def test_stiffness_is_a_spring(robot, state):
+    now = command(state, [skill(robot)])
+    for matrix in (now.stiffness, now.damping):
+        np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * np.abs(matrix).max())
+        assert np.linalg.eigvalsh(matrix).min() > 0
+    felt = hand_stiffness(state.jacobian("left_gripper"), now.stiffness)
+    assert np.linalg.eigvalsh((felt + felt.T) / 2).min() > 0
+
+
+def test_behaviours_taught_apart_are_multiplied(robot, state):
+    """Precisions add, and information vectors add: the product of the controllers (Fig. 9)."""
+    both = [skill(robot, seed=k) for k in (0, 1)]
+    products = []
+    for group in ([both[0]], [both[1]], both):
+        now = command(state, group, effort=EFFORT)
+        L = np.linalg.cholesky(state.mass)
+        root = np.linalg.solve(L, np.linalg.solve(L, now.stiffness).T)
+        precision = EFFORT * L @ root @ root @ L.T
+        products.append((precision, precision @ (now.reference - state.q)))
+    for k in (0, 1):
+        total = products[0][k] + products[1][k]
+        np.testing.assert_allclose(products[2][k], total, rtol=1e-6, atol=1e-6 * abs(total).max())
+
+
+def same(one, other):
+    np.testing.assert_allclose(one.stiffness, other.stiffness, atol=1e-6)
+    np.testing.assert_allclose(one.reference, other.reference, atol=1e-8)
+
+
+def test_one_component_twice_is_one_component(robot, state):
+    one = skill(robot)
+    frames = [
+        Gaussian(np.repeat(f.mean, 2, 0), np.repeat(f.covariance, 2, 0)) for f in one.model.frames
+    ]
+    two = Skill(one.views, TPGMM(np.array([0.3, 0.7]), tuple(frames)))
+    same(command(state, [one]), command(state, [two]))
+
+
+def test_the_nearest_component_decides(robot, state):
+    near = skill(robot, seed=3)
+    frames = []
+    for f in near.model.frames:
+        mean = np.vstack([f.mean, f.mean + 3.0])
+        frames.append(Gaussian(mean, np.repeat(f.covariance, 2, 0)))
+    mixed = Skill(near.views, TPGMM(np.array([0.5, 0.5]), tuple(frames)))
+    same(command(state, [near]), command(state, [mixed]))
+
+
+def test_an_impedance_lasts_until_it_is_renewed(robot, state):
+    controller = MinimalIntervention([skill(robot)], every=3)
+    commands = [controller.command(state, 0.0) for _ in range(4)]
+    assert commands[0] is commands[1] is commands[2]
+    assert commands[3] is not commands[0]
+
+
+def test_a_joint_that_no_frame_determines_is_named(robot, state):
+    with pytest.raises(ArgumentError, match=r"no frame determines .*right_.*prior"):
+        command(state, [skill(robot, ("cup in base", "left posture"))])
+
+
+def test_bad_arguments_are_refused(robot, state):
+    with pytest.raises(ArgumentError, match="no skill"):
+        command(state, [])
+    with pytest.raises(ArgumentError, match="effort"):
+        MinimalIntervention([skill(robot)], effort=0.0)
+    with pytest.raises(ArgumentError, match="1 views"):
+        Skill({"cup": sugar.VIEWS["cup in base"]}, skill(robot).model)

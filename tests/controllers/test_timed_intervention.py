@@ -1,0 +1,114 @@
+"""A movement retrieved from moving frames: the product and GMR of the library, as torque."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tpsim.control import projection
+from tpsim.controllers.product import Skill
+from tpsim.controllers.timed_intervention import TimedIntervention
+from tpsim.errors import ArgumentError
+from tpsim.gaussian import Gaussian
+from tpsim.learning.tp_gmm import TPGMM
+from tpsim.pose import Pose
+from tpsim.retrieval.gmr import gmr
+from tpsim.robot.robot import Robot
+from tpsim.robot.views.joints import Joints
+from tpsim.robot.views.sites import Object, Site
+
+EFFORT = 0.05
+AXIS = Site("tip").axis("x", across="y", reference=np.eye(3))
+OBJECTS = {
+    "first": Pose(np.eye(3), np.array([-0.35, 0.6, 0.0])),
+    "second": Pose(np.eye(3), np.array([0.35, 0.6, 0.0])),
+}
+
+
+def spread(rng, K, d):
+    root = 0.3 * rng.standard_normal((K, d, d))
+    return root @ root.mT + 0.05 * np.eye(d)
+
+
+@pytest.fixture
+def skill(planar3_world):
+    rng = np.random.default_rng(3)
+    free = planar3_world.robot.joints[:2]
+    views = {
+        "posture": Joints().spare(AXIS, origin=np.zeros(3), free=free, damping=1e-3),
+        "direction": AXIS,
+        "first": AXIS.towards(Object("first")),
+        "second": AXIS.towards(Object("second")),
+    }
+    frames = []
+    for d in (2, 1, 1, 1):
+        mean = 0.5 * rng.standard_normal((3, 1 + d))
+        mean[:, 0] = [0.0, 1.0, 2.0]
+        frames.append(Gaussian(mean, spread(rng, 3, 1 + d)))
+    return Skill(views, TPGMM(np.array([0.2, 0.5, 0.3]), tuple(frames)))
+
+
+def with_speed(world, limit):
+    robot = world.robot
+    description = replace(robot.description, velocity_limit=(limit,) * robot.n)
+    return Robot(robot.model, description)
+
+
+def at(robot):
+    return robot.at(robot.home, [0.2, -0.1, 0.3], OBJECTS)
+
+
+def expected(state, skill, time):
+    """The same Gaussian of the posture by TPGMM.adapt over Table 3 and gmr."""
+    frames = []
+    for view in skill.views.values():
+        seen = view(state)
+        frame = projection.absolute(seen.jacobian, state.q, seen.value)
+        frames.append(frame.with_input())
+    return gmr(skill.model.adapt(frames), [time])
+
+
+@pytest.mark.parametrize("time", [0.0, 0.7, 1.9, 3.0])
+def test_the_impedance_is_that_of_the_adapted_mixture(planar3_world, skill, time):
+    state = at(with_speed(planar3_world, None))
+    now = TimedIntervention(skill, effort=EFFORT, until=2.5).command(state, time)
+    goal = expected(state, skill, min(time, 2.5))
+    np.testing.assert_allclose(now.reference, goal.mean[0], atol=1e-4)
+    # K solves K M^-1 K = Lambda / r, the optimum of the double integrator with inertia M.
+    K, D, inverse_mass = now.stiffness, now.damping, np.linalg.inv(state.mass)
+    precision = np.linalg.inv(goal.covariance[0])
+    np.testing.assert_allclose(K @ inverse_mass @ K, precision / EFFORT, rtol=1e-4, atol=1e-3)
+    np.testing.assert_allclose(D @ inverse_mass @ D, 2 * K, rtol=1e-6, atol=1e-8)
+
+
+def test_far_from_its_reference_no_more_speed_is_asked_than_joints_have(planar3_world, skill):
+    state = at(with_speed(planar3_world, 0.01))
+    now = TimedIntervention(skill, effort=1e-4, until=2.5).command(state, 0.0)
+    speed = np.linalg.solve(now.damping, now.stiffness @ (now.reference - state.q))
+    assert np.abs(speed).max() == pytest.approx(0.01, rel=1e-6)
+
+
+def test_between_two_adaptations_the_spring_holds(planar3_world, skill):
+    state = at(planar3_world.robot)
+    controller = TimedIntervention(skill, effort=EFFORT, until=2.5, period=0.003)
+    commands = [controller.command(state, 1e-3 * k) for k in range(4)]
+    assert commands[0] is commands[1] is commands[2]
+    assert commands[3] is not commands[0]
+
+
+def test_a_prior_decides_what_no_frame_sees(planar3_world, skill):
+    state = at(planar3_world.robot)
+    model = TPGMM(skill.model.priors, skill.model.frames[1:2])
+    prior = Gaussian(np.zeros(3), np.eye(3))
+    only = TimedIntervention(
+        Skill({"direction": AXIS}, model), effort=EFFORT, until=2.5, prior=prior
+    )
+    reference = only.command(state, 0.0).reference
+    assert np.array([1.0, -1.0, 0.0]) @ reference == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["effort", "until", "period"])
+def test_settings_without_sense_are_refused(skill, name):
+    settings = {"effort": 1.0, "until": 1.0, "period": 0.01} | {name: 0.0}
+    with pytest.raises(ArgumentError, match=name):
+        TimedIntervention(skill, **settings)

@@ -1,0 +1,1 @@
+"""Controllers: what was learned as torque, and what to compare it with."""

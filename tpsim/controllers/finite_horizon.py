@@ -1,0 +1,202 @@
+"""Torque control of a hand by the finite-horizon LQT, re-planned when objects move."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.linalg.lapack import dposv
+
+from tpsim import rotation
+from tpsim.control.impedance import impedance
+from tpsim.control.poses import SeenMovement, fuse_poses, track_poses
+from tpsim.control.system import integrator
+from tpsim.controllers.renewed import RenewedImpedance
+from tpsim.errors import ArgumentError
+from tpsim.gaussian import Gaussian
+from tpsim.pose import Pose
+from tpsim.robot.robot import Robot
+from tpsim.robot.state import State
+from tpsim.robot.views.sites import SiteView, as_rotation
+from tpsim.world.impedance import Impedance
+
+LOOK = 0.1
+"""Time [s] between two looks at the objects; a plan is made where one has moved."""
+
+MOVED = 1e-5
+"""Change of an object's position [m] or rotation matrix that counts as motion."""
+
+TAIL = 0.6
+"""Time [s] for which a plan goes on beyond the movement's end, which then lasts."""
+
+STRENGTH = 0.3
+"""Share of the motors' torque that springs do not exceed, as after a jump of an object."""
+
+SINGULAR = 0.05
+"""Mobility [1/kg], [1/(kg m^2)] below which the arm counts as unable to move its hand."""
+
+PERIOD = 8
+"""Time steps for which stiffness, damping and the velocity of the reference last."""
+
+POSTURES = 40
+"""Number of taught postures in which the cost of torque is computed, at least."""
+
+HOLD = 400.0
+"""Stiffness [1/s^2] of the joints that do not belong to the arm."""
+
+
+class FiniteHorizon(RenewedImpedance):
+    """A hand carried along a movement that objects see, by finite-horizon LQT (Eqs 34-38).
+
+    The hand's pose y, six coordinates in a chart about its last orientation, is a double
+    integrator ``ddy = u`` with ``u_t = k_t - K_t [y, dy]``: stiffness and damping change over time
+    with the precision of the movement. Through the arm's inertia this is torque,
+    ``tau = J^T (J M^-1 J^T)^-1 u``; what is left of the arm follows the taught posture in the
+    hand's nullspace (Eq. 42) by the infinite-horizon optimum. The effort is torque, ``r |tau|^2``
+    in the taught postures, so that what is light is not softer than what is heavy.
+
+    Parameters
+    ----------
+    robot : Robot
+    objects : sequence of str
+        The objects that see the movement; the chart is the last one's.
+    movements : sequence of SeenMovement
+        One for each, sampled at ``dt``; the end lasts.
+    posture : Gaussian (T, n)
+        Of the arm's joints [rad].
+    joints : tuple of str
+        The arm; all other joints hold still.
+    site : str
+        The hand.
+    dt : float
+        Time step of the plan [s]. No gain is faster than it: natural frequencies stay below 1/dt.
+    effort : float
+        Cost r of torque [1/(Nm)^2], against the log-likelihood of the movement.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        objects: Sequence[str],
+        movements: Sequence[SeenMovement],
+        posture: Gaussian,
+        *,
+        joints: Sequence[str],
+        site: str,
+        dt: float,
+        effort: float,
+    ):
+        super().__init__(PERIOD)
+        self._robot, self._site, self._movements = robot, site, movements
+        self._objects = tuple(objects)
+        first = robot.joints.index(joints[0])
+        self._arm = slice(first, first + len(joints))
+        if robot.joints[self._arm] != tuple(joints):
+            raise ArgumentError(f"joints {joints} do not follow each other on the robot")
+        self._system, self._dt = integrator(6, dt, exact=True), dt
+        self._steps, self._tail = len(movements[0]), round(TAIL / dt)
+        self._posture = posture.mean
+        # The costs of torque change slowly: one posture stands for some of its neighbours.
+        some = posture[:: max(1, self._steps // POSTURES)]
+        near = np.linspace(0, len(some.mean) - 1, self._steps).round().astype(int)
+        mass, cost = self._torques(some.mean)
+        swivels = impedance(some.precision, effort * mass @ mass)
+        self._swivels, self._swivel_brakes = (gains[near] for gains in swivels)
+        self._effort = effort * cost[near]
+        self._weakest = (STRENGTH * robot.torque_limit[self._arm]) ** -2.0
+        self._rest: np.ndarray | None = None
+        self._seen: np.ndarray | None = None
+        self._next_look = 0.0
+
+    def _torques(self, postures: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Inertia (T, m, m) in postures, and |tau|^2 of the hand's acceleration there.
+
+        The latter (T, 6, 6) is ``L J J^T L`` with L the inertia that the hand feels.
+        """
+        robot, arm = self._robot, self._arm
+        q = np.zeros(robot.n)
+        masses, costs = [], []
+        for posture in postures:
+            q[arm] = posture
+            state = robot.at(q)
+            M, J = state.mass[arm, arm], state.jacobian(self._site)[:, arm]
+            inertia = self._felt_inertia(M, J)
+            masses.append(M)
+            costs.append(inertia @ J @ J.T @ inertia)
+        return np.array(masses), np.array(costs)
+
+    @staticmethod
+    def _felt_inertia(M: np.ndarray, J: np.ndarray) -> np.ndarray:
+        """Inertia (6, 6) that the hand feels, bounded where the arm is singular."""
+        values, V = np.linalg.eigh(J @ dposv(M, J.T)[1])
+        felt: np.ndarray = (V / np.maximum(values, SINGULAR)) @ V.T
+        return felt
+
+    def renew(self, state: State, time: float) -> Impedance:
+        """Impedance of this moment in joint space: from the hand's force to torques.
+
+        Swivelling is left to the nullspace ``M - J^T L J``, in which it moves no hand.
+        """
+        arm = self._arm
+        if self._rest is None:
+            self._rest = state.q
+        if time >= self._next_look:
+            self._look(state, time)
+        step, spring, change = self._law(time)
+        seen = self._view(state)
+        J, M = seen.jacobian[:, arm], state.mass
+        lever = J.T @ self._felt_inertia(M[arm, arm], J)
+        null = M[arm, arm] - lever @ J
+        swivel = null @ self._swivels[step]
+        # The other joints hold still, critically damped.
+        stiffness, damping = HOLD * M, 2 * HOLD**0.5 * M
+        stiffness[arm, arm] = swivel - lever @ spring[:, :6] @ J
+        damping[arm, arm] = null @ self._swivel_brakes[step]
+        damping[arm, arm] += lever @ self._brakes[step - self._first] @ J
+        y = np.append(seen.value, 1.0)
+        pull = lever @ (spring @ y) + swivel @ (self._posture[step] - state.q[arm])
+        # Only what pulls is cut: the brakes must hold what it has set in motion.
+        cut = max(1.0, np.sqrt(pull * pull @ self._weakest))
+        stiffness[arm, arm] /= cut
+        wanted = np.stack([pull, lever @ (change @ y)], axis=1) / cut
+        way, speed = np.linalg.solve(stiffness[arm, arm], wanted).T
+        way -= np.linalg.solve(stiffness[arm, arm], damping[arm, arm] @ speed)
+        reference, velocity = self._rest.copy(), np.zeros(state.robot.n)
+        reference[arm], velocity[arm] = state.q[arm] + way, speed
+        return Impedance(stiffness, damping, reference, velocity)
+
+    def _look(self, state: State, time: float) -> None:
+        """Plan, if there is none or an object has moved since."""
+        self._next_look = time + LOOK - 1e-9
+        objects = [state.objects[name].pose for name in self._objects]
+        seen = np.concatenate([part.ravel() for pose in objects for part in pose])
+        if self._seen is None or np.abs(seen - self._seen).max() > MOVED:
+            self._seen = seen
+            self._plan(min(round(time / self._dt), self._steps - 1), objects)
+
+    def _plan(self, first: int, poses: Sequence[Pose]) -> None:
+        """Make the law from a step of the movement to its end."""
+        rest = [movement.from_step(first) for movement in self._movements]
+        reference = poses[-1][0] @ rest[-1].reference
+        means, precisions, fused = fuse_poses(rest, poses, reference)
+        turning = np.broadcast_to(np.eye(6), precisions.shape[1:]).copy()
+        turning[:, 3:, 3:] = rotation.left_jacobian(fused[:, 3:])
+        effort = turning.mT @ self._effort[first:] @ turning
+        # The last law is that of a long horizon, since it is kept for ever.
+        means, precisions, (effort,) = (
+            np.concatenate([part, np.repeat(part[:, -1:], self._tail, axis=1)], axis=1)
+            for part in (means, precisions, effort[None])
+        )
+        feedback = track_poses(means, precisions, self._system, effort)
+        kept = slice(len(rest[0]) + 1)
+        self._first, self._brakes = first, feedback.gain[kept, :, 6:]
+        self._springs = np.dstack([-feedback.gain[..., :6], feedback.feedforward])[kept]
+        self._slopes = np.diff(self._springs, axis=0)
+        self._view = SiteView(self._site, None, "pose", as_rotation(reference))
+
+    def _law(self, time: float) -> tuple[int, np.ndarray, np.ndarray]:
+        """Step of the movement, and spring there with its rate of change, linear between steps."""
+        since = time / self._dt - self._first
+        k = min(max(int(since), 0), len(self._slopes) - 1)
+        share = min(max(since - k, 0.0), 1.0)
+        rate = self._slopes[k] / self._dt if share < 1 else np.zeros_like(self._slopes[k])
+        step = min(k + self._first, self._steps - 1)
+        return step, self._springs[k] + share * self._slopes[k], rate

@@ -1,0 +1,177 @@
+"""The product of all frames of all learned behaviours (Eq. 6), laid over the views they observe."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tpsim.errors import ArgumentError
+from tpsim.gaussian import Gaussian
+from tpsim.learning.tp_gmm import TPGMM
+from tpsim.robot.state import State
+from tpsim.robot.views.view import View
+
+
+@dataclass(frozen=True)
+class Skill:
+    """A learned behaviour: a TP-GMM and the views that its frames observe.
+
+    Parameters
+    ----------
+    views : mapping of str to View
+        One for each frame of the model, in this order.
+    model : TPGMM
+    """
+
+    views: Mapping[str, View]
+    model: TPGMM
+
+    def __post_init__(self) -> None:
+        if len(self.views) != len(self.model.frames):
+            raise ArgumentError(
+                f"{len(self.views)} views {tuple(self.views)} were given for a model of "
+                f"{len(self.model.frames)} frames; give one for each"
+            )
+
+
+class Stack:
+    """Several views, one upon the other, each of them once.
+
+    Parameters
+    ----------
+    views : sequence of View
+    sizes : sequence of int
+        Rows that each takes.
+    inputs : int
+        Rows before those of each view, such as one for time.
+    """
+
+    def __init__(self, views: Sequence[View], sizes: Sequence[int], inputs: int = 0):
+        found: dict[View, int] = {}
+        for view, size in zip(views, sizes, strict=True):
+            if found.setdefault(view, size) != size:
+                raise ArgumentError(f"two models see {view} in {found[view]} and {size} dimensions")
+        ends = np.cumsum([size + inputs for size in found.values()])
+        self.size = int(ends[-1])
+        self.views = tuple(found)
+        self.rows = [slice(e - s, e) for s, e in zip(found.values(), ends.tolist(), strict=True)]
+        self.blocks = {
+            view: slice(rows.start - inputs, rows.stop)
+            for view, rows in zip(found, self.rows, strict=True)
+        }
+
+    def see(self, state: State, y: np.ndarray, J: np.ndarray) -> None:
+        """Write values into y (size,) and Jacobians into J (size, n)."""
+        for view, rows in zip(self.views, self.rows, strict=True):
+            seen = view(state)
+            y[rows], J[rows] = seen.value, seen.jacobian
+
+
+@dataclass(frozen=True, eq=False)
+class Information:
+    """The product of all frames at one state, in information form.
+
+    Parameters
+    ----------
+    value : (m,)
+        Stacked views y.
+    jacobian : (m, n)
+    precision : (m, m)
+        W, mixed over components by their responsibilities, Eq. (49).
+    target : (m,)
+        W mu.
+    """
+
+    value: np.ndarray
+    jacobian: np.ndarray
+    precision: np.ndarray
+    target: np.ndarray
+
+
+class Product:
+    """All frames of all skills as one precision over their stacked views.
+
+    Precisions of several frames, and of several skills that were learned apart, add up.
+
+    Parameters
+    ----------
+    skills : sequence of Skill
+    n : int
+        Number of joints.
+    """
+
+    def __init__(self, skills: Sequence[Skill], n: int):
+        if not skills:
+            raise ArgumentError("no skill was given; give at least one")
+        pairs = [
+            (view, frame.dim)
+            for skill in skills
+            for view, frame in zip(skill.views.values(), skill.model.frames, strict=True)
+        ]
+        self.stack = Stack([view for view, _ in pairs], [size for _, size in pairs])
+        self._experts = [StackedModel(skill, self.stack) for skill in skills]
+        # With one component each, nothing depends on the state.
+        self._fixed = None
+        if all(expert.components == 1 for expert in self._experts):
+            self._fixed = self._mix(np.zeros(self.stack.size))
+        self._n = n
+
+    def _mix(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        W, target = self._experts[0].information(y)
+        for expert in self._experts[1:]:
+            more = expert.information(y)
+            W, target = W + more[0], target + more[1]
+        return W, target
+
+    def at(self, state: State) -> Information:
+        """The product at a state."""
+        y, J = np.zeros(self.stack.size), np.zeros((self.stack.size, self._n))
+        self.stack.see(state, y, J)
+        W, Wmu = self._fixed or self._mix(y)
+        return Information(y, J, W, Wmu)
+
+
+class StackedModel:
+    """One skill's Gaussians, laid out over a stack of views.
+
+    Parameters
+    ----------
+    skill : Skill
+    stack : Stack
+
+    Attributes
+    ----------
+    components : int
+    precision : (K, m, m)
+    mean : (K, m)
+    log_priors : (K,)
+    """
+
+    def __init__(self, skill: Skill, stack: Stack):
+        model = skill.model
+        self.components = K = model.components
+        self.precision, self.mean = np.zeros((K, stack.size, stack.size)), np.zeros((K, stack.size))
+        self.log_priors = np.log(np.maximum(model.priors, np.finfo(float).tiny))
+        self._bias = self.log_priors.copy()
+        for view, gaussian in zip(skill.views.values(), model.frames, strict=True):
+            rows = stack.blocks[view]
+            self.precision[:, rows, rows] = gaussian.precision
+            self.mean[:, rows] = gaussian.mean
+            self._bias += 0.5 * np.linalg.slogdet(gaussian.precision)[1]
+        self._target = np.einsum("kab,kb->ka", self.precision, self.mean)
+
+    def information(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Precision W (m, m) and W mu (m,) at an observation y (m,): Eq. (49) mixes them."""
+        if self.components == 1:
+            return self.precision[0], self._target[0]
+        e = y - self.mean
+        h = self._bias - 0.5 * np.einsum("ka,kab,kb->k", e, self.precision, e)
+        h = np.exp(h - h.max())
+        h /= h.sum()
+        return np.tensordot(h, self.precision, 1), h @ self._target
+
+
+def posture_skill(prior: Gaussian, views: Mapping[str, View]) -> Skill:
+    """A Gaussian (n,) on the posture as a skill, seen by one view."""
+    frame = Gaussian(np.atleast_2d(prior.mean), prior.covariance[None])
+    return Skill(views, TPGMM(np.ones(1), (frame,)))

@@ -1,0 +1,74 @@
+"""Minimal intervention towards what moves: the reference has a velocity too."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.linalg.lapack import dgesv
+
+from tpsim.controllers.minimal_intervention import MinimalIntervention, optimum
+from tpsim.controllers.product import Information, Skill
+from tpsim.robot.state import State
+from tpsim.robot.views.view import Seen
+from tpsim.world.impedance import Impedance
+
+STEADY = 0.1
+"""Standard deviation [rad] from which on a frame is too vague to lead the joints' velocity."""
+
+STRENGTH = 0.6
+"""Share of the motors' torque that springs do not exceed: the rest is left for brakes."""
+
+
+class Pursuit(MinimalIntervention):
+    """Minimal intervention in frames of moving objects: it damps what lags behind, not what moves.
+
+    The joint velocity that keeps up with all frames solves, in the precisions W of their product,
+
+        (sum_j J_j^T W_j K_j + I / STEADY^2) dq_hat = -sum_j J_j^T W_j d_j,
+
+    where view j changes by ``dy_j = K_j dq + d_j``, with the drift d_j of its objects. The
+    reference moves with it from one solution to the next.
+
+    Parameters
+    ----------
+    skills : sequence of Skill
+    effort : float
+        Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement.
+    every : int
+        Control steps for which stiffness, damping and velocity last.
+    """
+
+    def __init__(self, skills: Sequence[Skill], *, effort: float, every: int = 25):
+        super().__init__(skills, effort=effort, every=every)
+        self._last: np.ndarray | None = None
+
+    def renew(self, state: State, time: float) -> Impedance:
+        """Optimum for the product of all frames at a state, moving with them."""
+        product, robot = self.product(state), state.robot
+        now = optimum(product, state, self._effort)
+        pull = now.stiffness @ (now.reference - state.q)
+        # At this speed spring and damper are in balance.
+        speed = dgesv(now.damping, pull)[2]
+        share = np.abs(pull) / (STRENGTH * robot.torque_limit)
+        excess = max(share.max(), (np.abs(speed) / robot.velocity_limit).max())
+        held = now if excess <= 1 else now.weaker(excess)
+        return replace(held, velocity=self._keep_up(product, state))
+
+    def _keep_up(self, product: Information, state: State) -> np.ndarray:
+        """Joint velocity (n,) [rad/s] that keeps up with the frames."""
+        assert self._product is not None
+        seen = [view(state) for view in self._product.stack.views]
+        drift = np.concatenate([s.drift for s in seen])
+        K = np.concatenate([_rate(s) for s in seen])
+        # In the middle of the time to come, half a period after now.
+        ahead = drift if self._last is None else drift + 0.5 * (drift - self._last)
+        self._last = drift
+        JW = product.jacobian.T @ product.precision
+        steady = np.eye(state.robot.n) / STEADY**2
+        velocity = dgesv(JW @ K + steady, -JW @ ahead)[2]
+        limit = state.robot.velocity_limit
+        return np.minimum(np.maximum(velocity, -limit), limit)
+
+
+def _rate(seen: Seen) -> np.ndarray:
+    return seen.jacobian if seen.rate is None else seen.rate

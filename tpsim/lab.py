@@ -1,0 +1,90 @@
+"""The laboratory, flat: robots, views, tasks, controllers, measures and studies as values.
+
+A whole user study. Robot and objects become a world; views are what a task is seen from; a teacher
+leads the weightless arm; what was learned drives the robot where it was never shown::
+
+    from dataclasses import dataclass
+    from tpsim import lab
+
+    TIP, CUP = lab.Site("tool"), lab.Object("cup")
+
+    @dataclass(frozen=True)
+    class Visit(lab.Task):
+        effort: float = 0.1  # [s^4/(kg m^2)]; an option: tpsim run visit.py:study --effort 0.2
+
+        def world(self):
+            robot = lab.Robot.from_mjcf("arm.xml", hands={"hand": "tool"}, torque_limit=40)
+            return lab.world(robot, objects={"cup": "marker"})
+
+        def behaviours(self):
+            views = {"from cup": TIP.seen_from(CUP).position, "posture": lab.Joints()}
+            return {"visit": lab.Behaviour(views, self.lesson)}
+
+        def situation(self, world, rng): ...  # start posture and where the cup is
+        def lesson(self, world, rng): ...  # how a person shows it
+
+        def controller(self, world, models, situation):
+            skill = lab.Skill(self.behaviours()["visit"].views, models["visit"])
+            return lab.MinimalIntervention([skill], effort=self.effort)
+
+    gap = lab.Measure("gap_mm", TIP.seen_from(CUP).position, "mm", limit=10)
+    study = lab.Study(Visit(), [gap])
+
+``tpsim run visit.py:study`` then teaches, learns, performs, pushes, films and reports; in Python
+:func:`teach`, :func:`learn`, :func:`perform` and :func:`run` do the same step by step.
+"""
+
+from tpsim.controllers.finite_horizon import FiniteHorizon as FiniteHorizon
+from tpsim.controllers.minimal_intervention import MinimalIntervention as MinimalIntervention
+from tpsim.controllers.product import Skill as Skill
+from tpsim.controllers.pursuit import Pursuit as Pursuit
+from tpsim.controllers.renewed import FixedImpedance as FixedImpedance
+from tpsim.controllers.renewed import RenewedImpedance as RenewedImpedance
+from tpsim.controllers.timed_intervention import TimedIntervention as TimedIntervention
+from tpsim.film.clip import Clip as Clip
+from tpsim.pose import Pose as Pose
+from tpsim.robot.robot import Robot as Robot
+from tpsim.robot.state import State as State
+from tpsim.robot.views.joints import Joints as Joints
+from tpsim.robot.views.sites import Object as Object
+from tpsim.robot.views.sites import Site as Site
+from tpsim.robot.views.view import Seen as Seen
+from tpsim.robot.views.view import View as View
+from tpsim.scene.compose import Camera as Camera
+from tpsim.scene.compose import Held as Held
+from tpsim.scene.compose import Placed as Placed
+from tpsim.scene.compose import world as world
+from tpsim.study.campaign import run as run
+from tpsim.study.condition import Condition as Condition
+from tpsim.study.condition import Lead as Lead
+from tpsim.study.measure import Measure as Measure
+from tpsim.study.measure import rms as rms
+from tpsim.study.record import Record as Record
+from tpsim.study.study import Lab as Lab
+from tpsim.study.study import Plan as Plan
+from tpsim.study.study import Study as Study
+from tpsim.study.study import pushes_all_round as pushes_all_round
+from tpsim.task.environment import environment as environment
+from tpsim.task.task import Behaviour as Behaviour
+from tpsim.task.task import Goal as Goal
+from tpsim.task.task import Situation as Situation
+from tpsim.task.task import Task as Task
+from tpsim.task.task import draw_situation as draw_situation
+from tpsim.task.verbs import learn as learn
+from tpsim.task.verbs import perform as perform
+from tpsim.task.verbs import teach as teach
+from tpsim.world.impedance import Controller as Controller
+from tpsim.world.impedance import Impedance as Impedance
+from tpsim.world.object_path import ObjectPath as ObjectPath
+from tpsim.world.people.guide import Grip as Grip
+from tpsim.world.people.guide import Guide as Guide
+from tpsim.world.people.push import Push as Push
+from tpsim.world.people.script import Variation as Variation
+from tpsim.world.people.script import script as script
+from tpsim.world.plant import Plant as Plant
+from tpsim.world.reach import reach as reach
+from tpsim.world.reach import satisfy as satisfy
+from tpsim.world.rollout import rollout as rollout
+from tpsim.world.teaching import Lesson as Lesson
+from tpsim.world.trial import Trial as Trial
+from tpsim.world.world import World as World

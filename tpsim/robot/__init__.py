@@ -1,0 +1,1 @@
+"""Robots: intake of MJCF and URDF, kinematics and dynamics, states and views."""

@@ -1,0 +1,100 @@
+"""What a robot knows of the objects around it at one instant: poses and velocities."""
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from tpsim.errors import SimulationError
+from tpsim.pose import Pose
+
+
+class Moving(NamedTuple):
+    """Pose of an object and how it moves.
+
+    Parameters
+    ----------
+    rotation : (3, 3)
+    position : (3,)
+        [m]
+    velocity, angular_velocity : (3,)
+        World-aligned [m/s], [rad/s]; zero where the object rests.
+    """
+
+    rotation: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    angular_velocity: np.ndarray
+
+    @property
+    def pose(self) -> Pose:
+        """Pose without the motion."""
+        return Pose(self.rotation, self.position)
+
+
+class Objects(Mapping[str, Moving]):
+    """Objects by name; poses are computed when they are asked for.
+
+    Parameters
+    ----------
+    rows : mapping of str to int
+        Row of each object in the arrays.
+    positions : (k, 3)
+        [m]
+    quaternions : (k, 4)
+        (w, x, y, z)
+    twists : (k, 6), optional
+        Linear over angular velocity, world-aligned; at rest by default.
+    """
+
+    __slots__ = ("_moving", "_rows", "positions", "quaternions", "twists")
+
+    def __init__(
+        self,
+        rows: Mapping[str, int],
+        positions: np.ndarray,
+        quaternions: np.ndarray,
+        twists: np.ndarray | None = None,
+    ):
+        self._rows, self._moving = rows, {}
+        self.positions, self.quaternions, self.twists = positions, quaternions, twists
+
+    @classmethod
+    def of(cls, poses: Mapping[str, Pose]) -> "Objects":
+        """Objects at rest at these poses."""
+        positions = np.array([pose.position for pose in poses.values()], float).reshape(-1, 3)
+        turned = [pose.quaternion for pose in poses.values()]
+        rows = {name: row for row, name in enumerate(poses)}
+        return cls(rows, positions, np.array(turned, float).reshape(-1, 4))
+
+    def __getitem__(self, name: str) -> Moving:
+        """Return the object called ``name``."""
+        found = self._moving.get(name)
+        if found is None:
+            found = self._moving[name] = self._look(name)
+        return found
+
+    def _look(self, name: str) -> Moving:
+        if name not in self._rows:
+            raise SimulationError(
+                f"there is no object '{name}' in the scene; it has {sorted(self._rows) or 'none'}"
+            )
+        row = self._rows[name]
+        w, x, y, z = self.quaternions[row].tolist()
+        twist = _REST if self.twists is None else self.twists[row]
+        R = pin.Quaternion(w, x, y, z).matrix()
+        return Moving(R, self.positions[row], twist[:3], twist[3:])
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names."""
+        return iter(self._rows)
+
+    def __len__(self) -> int:
+        """Return the number of objects."""
+        return len(self._rows)
+
+
+_REST = np.zeros(6)
+NONE = Objects({}, np.zeros((0, 3)), np.zeros((0, 4)))
+"""A world without objects."""

@@ -1,0 +1,299 @@
+"""The controller's model of a robot: its arms, their limits, kinematics and dynamics.
+
+Pinocchio computes; its model is built from the compiled MuJoCo model, so there is one source.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Literal
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from tpsim.errors import ArgumentError, SimulationError
+from tpsim.pose import Pose
+from tpsim.robot.description import Description
+from tpsim.robot.home import Home
+from tpsim.robot.intake import Source, take_in, take_in_urdf
+from tpsim.robot.limits import Limit
+from tpsim.robot.objects import NONE, Objects
+from tpsim.robot.pinocchio_model import pinocchio_model
+from tpsim.robot.state import State
+
+_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+
+
+class Robot:
+    """A torque-controlled robot: one or more arms of hinges and slides.
+
+    Made by :meth:`from_mjcf` or :meth:`from_urdf`; immutable.
+
+    Parameters
+    ----------
+    model : mujoco.MjModel
+        Compiled scene or robot, in which every arm joint has a motor.
+    description : Description
+    source : Source, optional
+        Where the robot comes from, for scenes to be composed with it.
+
+    Attributes
+    ----------
+    joints : tuple of str
+        Arm joints, in the order of q (n,).
+    n : int
+        Their number.
+    hands : dict of str to str
+        Site of each hand.
+    lower, upper, velocity_limit, torque_limit : (n,)
+        Limits in rad, rad/s, Nm (m, m/s, N for slides); infinite where there is none.
+    home : (n,)
+        Home posture [rad].
+    damping : (n,)
+        Viscous damping of the joints [Nms/rad], which controllers compensate.
+    qpos, dof, actuator : (n,) int
+        Addresses of the joints in MuJoCo's qpos, qvel and ctrl.
+    changes : tuple of str
+        What the intake changed, in words.
+    """
+
+    def __init__(
+        self, model: mujoco.MjModel, description: Description, source: Source | None = None
+    ):
+        self.model, self.description, self._source = model, description, source
+        self.joints = description.joints
+        self.n, self.hands = len(self.joints), dict(description.hands)
+        built = pinocchio_model(model, self.joints, description.fixed)
+        self._pin, self.sites = built.model, built.sites
+        ids = np.array(built.joints)
+        self._dynamics, self._kinematics = self._pin.createData(), self._pin.createData()
+        self._placed: State | None = None
+        self._indices: dict[str | tuple[str, ...], np.ndarray] = {}
+        self.changes = () if source is None else source.changes
+        self.qpos, self.dof = model.jnt_qposadr[ids].copy(), model.jnt_dofadr[ids].copy()
+        limited = model.jnt_limited[ids].astype(bool)
+        self.lower = np.where(limited, model.jnt_range[ids, 0], -np.inf)
+        self.upper = np.where(limited, model.jnt_range[ids, 1], np.inf)
+        self.velocity_limit = np.array(
+            [np.inf if limit is None else limit for limit in description.velocity_limit]
+        )
+        self.home = np.array(description.home, float)
+        self.damping = model.dof_damping[self.dof].copy()
+        self._springs = model.jnt_stiffness[ids].copy()
+        self._sprung = bool(self._springs.any())
+        self._slack = model.qpos_spring[self.qpos].copy()
+        self.actuator, self.torque_limit = _motors(model, ids, self.joints)
+        self._below = np.tril_indices(self.n, -1)
+        for array in (self.lower, self.upper, self.velocity_limit, self.home, self.torque_limit):
+            array.flags.writeable = False
+        self.at_home = self.at(self.home)
+
+    @classmethod
+    def from_mjcf(
+        cls,
+        source: str | Path | mujoco.MjSpec,
+        hands: Mapping[str, str],
+        *,
+        torque_limit: Limit = None,
+        velocity_limit: Limit = None,
+        home: Home = None,
+        others: Literal["locked", "servo"] = "locked",
+    ) -> "Robot":
+        """Take over a robot from MJCF: any actuators become torque motors.
+
+        Parameters
+        ----------
+        source : path, MJCF text or MjSpec
+            Meshes, includes and defaults are resolved.
+        hands : mapping of str to str
+            Site of each hand; the joints between the world and these sites are the arms.
+        torque_limit, velocity_limit : optional
+            [Nm], [rad/s]: a number, one for each joint (n,), or by joint name or regular
+            expression; by default what the file says.
+        home : (n,) or mapping of joint name to angle, optional
+            Home posture [rad]: by default the file's keyframe, or found by optimisation.
+        others : str
+            Joints that are no arm, such as fingers: ``"locked"`` where they are, or kept under
+            their own ``"servo"``.
+
+        Raises
+        ------
+        SimulationError, ArgumentError
+            What cannot be taken over, with what the file has.
+        """
+        found = take_in(
+            source,
+            hands=hands,
+            torque_limit=torque_limit,
+            velocity_limit=velocity_limit,
+            home=home,
+            others=others,
+        )
+        return cls._of(found)
+
+    @classmethod
+    def _of(cls, found: Source) -> "Robot":
+        model = mujoco.MjModel.from_xml_string(found.spec.to_xml(), dict(found.assets))
+        return cls(model, Description.of(found), found)
+
+    @classmethod
+    def from_urdf(
+        cls,
+        path: str | Path,
+        hands: Mapping[str, str],
+        *,
+        packages: Mapping[str, str | Path] | None = None,
+        torque_limit: Limit = None,
+        velocity_limit: Limit = None,
+        home: Home = None,
+    ) -> "Robot":
+        """Take over a robot from a URDF; ``hands`` may name links, ``packages`` where meshes are.
+
+        Joints that are no arm are locked. Other arguments and errors are those of
+        :meth:`from_mjcf`.
+        """
+        return cls._of(
+            take_in_urdf(
+                path,
+                hands=hands,
+                packages=packages,
+                torque_limit=torque_limit,
+                velocity_limit=velocity_limit,
+                home=home,
+            )
+        )
+
+    @property
+    def source(self) -> Source:
+        """Specification and files of the robot alone, for scenes to be composed with it."""
+        if self._source is None:
+            raise SimulationError(
+                "this robot was read from a recorded scene; compose scenes with Robot.from_mjcf"
+            )
+        return self._source
+
+    def at(
+        self,
+        q: ArrayLike,
+        dq: ArrayLike | None = None,
+        objects: Objects | Mapping[str, Pose] = NONE,
+        time: float = 0.0,
+    ) -> State:
+        """State at joint angles q (n,) [rad] and velocities dq (n,) [rad/s], zero by default.
+
+        Raises
+        ------
+        ArgumentError
+            If q or dq has another shape.
+        """
+        q, dq = np.asarray(q, float), np.zeros(self.n) if dq is None else np.asarray(dq, float)
+        if q.shape != (self.n,) or dq.shape != (self.n,):
+            raise ArgumentError(
+                f"q has shape {q.shape} and dq {dq.shape}; the robot has {self.n} joints"
+            )
+        x = np.concatenate((q, dq))
+        x.flags.writeable = False
+        known = objects if isinstance(objects, Objects) else Objects.of(objects)
+        return State(self, x, known, time)
+
+    def index(self, joints: str | tuple[str, ...]) -> np.ndarray:
+        """Indices (k,) in q of joints: a regular expression that matches whole names, or names.
+
+        Raises
+        ------
+        ArgumentError
+            If nothing matches; the message lists the joints.
+        """
+        if joints not in self._indices:
+            names = (joints,) if isinstance(joints, str) else joints
+            found = [
+                i
+                for name in names
+                for i, joint in enumerate(self.joints)
+                if joint == name or re.fullmatch(name, joint)
+            ]
+            if not found:
+                raise ArgumentError(f"no joint matches {joints!r}; the robot has {self.joints}")
+            self._indices[joints] = np.array(found)
+        return self._indices[joints]
+
+    def chain(self, site: str) -> np.ndarray:
+        """Indices (k,) in q of the joints that move a site."""
+        frame = self._pin.frames[self._site(site)]
+        supports = list(self._pin.supports[frame.parentJoint])
+        return np.array([joint - 1 for joint in supports if joint > 0], int)
+
+    def gravity_torque(self, q: ArrayLike) -> np.ndarray:
+        """Torque (n,) [Nm] that holds the robot still at q (n,)."""
+        q = np.asarray(q, float)
+        return self._with_springs(pin.computeGeneralizedGravity(self._pin, self._dynamics, q), q)
+
+    def is_comfortable(self, q: np.ndarray, margin: float = 0.15, load: float = 0.8) -> bool:
+        """Whether a posture q (n,) keeps off its limits by a margin [rad], with torque to spare.
+
+        ``load`` is the largest share of the motors' torque that gravity may take.
+        """
+        room = np.minimum(q - self.lower, self.upper - q).min()
+        weight = np.abs(self.gravity_torque(q)) / self.torque_limit
+        return bool(room > margin and weight.max() < load)
+
+    def _site(self, name: str) -> int:
+        if name not in self.sites:
+            raise SimulationError(f"no site '{name}' on the robot; it has {sorted(self.sites)}")
+        return self.sites[name]
+
+    # What a State asks for.
+
+    def compute_bias(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
+        """Coriolis, centrifugal, gravity and spring torque (n,) [Nm]."""
+        return self._with_springs(pin.nonLinearEffects(self._pin, self._dynamics, q, dq), q)
+
+    def _with_springs(self, torque: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """Torque against the joints' own springs, added; most robots have none."""
+        return torque + self._springs * (q - self._slack) if self._sprung else torque
+
+    def compute_mass(self, q: np.ndarray) -> np.ndarray:
+        """Inertia (n, n) with armature."""
+        mass = np.array(pin.crba(self._pin, self._dynamics, q))
+        # crba fills the upper triangle only.
+        mass[self._below] = mass.T[self._below]
+        return mass
+
+    def _place(self, state: State) -> None:
+        if self._placed is not state:
+            pin.computeJointJacobians(self._pin, self._kinematics, state.q)
+            pin.updateFramePlacements(self._pin, self._kinematics)
+            self._placed = state
+
+    def compute_pose(self, state: State, site: str) -> Pose:
+        """Pose of a site in the world."""
+        frame = self._site(site)
+        self._place(state)
+        placement = self._kinematics.oMf[frame]
+        return Pose(placement.rotation.copy(), placement.translation.copy())
+
+    def compute_jacobian(self, state: State, site: str) -> np.ndarray:
+        """Jacobian (6, n) of a site, world-aligned."""
+        frame = self._site(site)
+        self._place(state)
+        J = pin.getFrameJacobian(self._pin, self._kinematics, frame, _ALIGNED)
+        return J.reshape(6, -1)
+
+
+def _motors(
+    model: mujoco.MjModel, ids: Sequence[int], names: Sequence[str]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Actuator of each joint, and its torque limit."""
+    on_joint = model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT
+    actuators, limits = [], []
+    for joint, name in zip(ids, names, strict=True):
+        drives = np.flatnonzero(on_joint & (model.actuator_trnid[:, 0] == joint))
+        if len(drives) != 1:
+            raise SimulationError(f"joint '{name}' has {len(drives)} motors; it needs one")
+        a = int(drives[0])
+        actuators.append(a)
+        bounded = model.actuator_ctrllimited[a]
+        limits.append(model.actuator_ctrlrange[a, 1] if bounded else np.inf)
+    return np.array(actuators), np.array(limits, float)

@@ -1,0 +1,1 @@
+"""Views: quantities y(q, objects) with their Jacobians, for learning, control and measuring."""

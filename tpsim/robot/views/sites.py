@@ -1,0 +1,196 @@
+"""Views of sites: pose, position, orientation and axes, in the world or from something else."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+import pinocchio as pin
+
+from tpsim.pose import Pose
+from tpsim.robot.robot import Robot
+from tpsim.robot.state import State
+from tpsim.robot.views.direction import AXES, Direction
+from tpsim.robot.views.view import Seen, View
+
+_LABELS = {
+    "position": ("x [m]", "y [m]", "z [m]"),
+    "orientation": ("about x [rad]", "about y [rad]", "about z [rad]"),
+}
+_LABELS["pose"] = _LABELS["position"] + _LABELS["orientation"]
+
+Rotation = tuple[float, ...]
+"""Rotation matrix (9,), row by row: a value that can be compared and written to a file."""
+
+
+@dataclass(frozen=True)
+class Object:
+    """An object of the scene, by name: what views look from or at."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Site:
+    """A site of the robot, by name; its attributes are views.
+
+    ``Site("tool").pose`` is the pose in the world, Eq. (40); ``Site("tool").seen_from(...)`` the
+    same from an object or from another site, Eq. (41).
+
+    Parameters
+    ----------
+    name : str
+    """
+
+    name: str
+
+    @property
+    def pose(self) -> "SiteView":
+        """Position [m] and rotation vector [rad], d = 6."""
+        return SiteView(self.name, None, "pose")
+
+    @property
+    def position(self) -> "SiteView":
+        """Position [m], d = 3."""
+        return SiteView(self.name, None, "position")
+
+    @property
+    def orientation(self) -> "SiteView":
+        """Rotation vector [rad] from the orientation at home, d = 3."""
+        return SiteView(self.name, None, "orientation")
+
+    def axis(
+        self, axis: Literal["x", "y", "z"], across: str = "", reference: np.ndarray | None = None
+    ) -> Direction:
+        """Direction in which an axis of the site points, Eq. (40).
+
+        Parameters
+        ----------
+        axis : str
+            The axis that points.
+        across : str
+            Axes towards which angles are measured: both others by default, one in a plane.
+        reference : (3, 3), optional
+            Orientation of the site at which the angles are zero; that at home by default.
+        """
+        others = across or "".join(AXES[(AXES.index(axis) + k) % 3] for k in (1, 2))
+        turned = None if reference is None else as_rotation(reference)
+        return Direction(self.name, axis + others, turned)
+
+    def seen_from(self, base: "Object | Site") -> "Sight":
+        """The site as it is seen from an object or from another site, Eq. (41)."""
+        return Sight(self, base)
+
+
+@dataclass(frozen=True)
+class Sight:
+    """A site seen from an object or another site; its attributes are views.
+
+    Parameters
+    ----------
+    site : Site
+    base : Object or Site
+    """
+
+    site: Site
+    base: Object | Site
+
+    @property
+    def pose(self) -> "SiteView":
+        """Position [m] and rotation vector [rad], d = 6."""
+        return SiteView(self.site.name, self.base, "pose")
+
+    @property
+    def position(self) -> "SiteView":
+        """Position [m], d = 3."""
+        return SiteView(self.site.name, self.base, "position")
+
+    @property
+    def orientation(self) -> "SiteView":
+        """Rotation vector [rad], d = 3."""
+        return SiteView(self.site.name, self.base, "orientation")
+
+
+@dataclass(frozen=True)
+class SiteView(View):
+    """Pose, position or orientation of a site, in the world or from something else.
+
+    Orientation is the world-aligned rotation vector ``log(R C^T)`` [rad] from a reference C, and
+    its Jacobian is that of the rotation vector, exact far from the reference too. When the base
+    is a site, its own motion is in the Jacobian; when it is an object, in the drift.
+
+    Parameters
+    ----------
+    site : str
+    base : Object, Site or None
+        From where it is seen; None is the world.
+    part : str
+        ``"pose"``, ``"position"`` or ``"orientation"``.
+    reference : (9,) tuple, optional
+        C: by default the orientation that is seen at home; of an object, its own axes.
+    """
+
+    site: str
+    base: Object | Site | None
+    part: Literal["pose", "position", "orientation"]
+    reference: Rotation | None = None
+
+    def labels(self, robot: Robot) -> tuple[str, ...]:
+        """Names of the dimensions."""
+        return _LABELS[self.part]
+
+    def about(self, reference: np.ndarray) -> "SiteView":
+        """The same with rotation vectors counted from a rotation (3, 3)."""
+        return replace(self, reference=as_rotation(reference))
+
+    def see(self, state: State) -> Seen:
+        """Value, Jacobian and drift at a state."""
+        pose, J, drift = self._relative(state)
+        if self.part == "position":
+            return Seen(pose.position, J[:3], drift[:3])
+        error = pose.rotation @ self.resolved(state.robot, self._back)
+        turning = np.asarray(pin.Jlog3(error)).T
+        angle, J_angle, drift_angle = pin.log3(error), turning @ J[3:], turning @ drift[3:]
+        if self.part == "orientation":
+            return Seen(angle, J_angle, drift_angle)
+        return Seen(
+            np.concatenate((pose.position, angle)),
+            np.concatenate((J[:3], J_angle)),
+            np.concatenate((drift[:3], drift_angle)),
+        )
+
+    def _relative(self, state: State) -> tuple[Pose, np.ndarray, np.ndarray]:
+        """Pose, Jacobian (6, n) of linear and angular velocity, and drift (6,), from the base."""
+        pose, J = state.pose(self.site), state.jacobian(self.site)
+        if self.base is None:
+            return pose, J, _STILL
+        if isinstance(self.base, Site):
+            frame, J_base = state.pose(self.base.name), state.jacobian(self.base.name)
+            arm = pose.position - frame.position
+            J = J - J_base
+            J[:3] += pin.skew(arm) @ J_base[3:]
+            back, drift = frame.rotation.T, _STILL
+        else:
+            thing = state.objects[self.base.name]
+            arm, back = pose.position - thing.position, thing.rotation.T
+            drift = _STILL
+            if state.objects.twists is not None:
+                v = thing.velocity + pin.skew(thing.angular_velocity) @ arm
+                drift = -np.concatenate((back @ v, back @ thing.angular_velocity))
+        turned = np.concatenate((back @ J[:3], back @ J[3:]))
+        return Pose(back @ pose.rotation, back @ arm), turned, drift
+
+    def _back(self, robot: Robot) -> np.ndarray:
+        """Transposed reference rotation (3, 3)."""
+        if self.reference is not None:
+            return np.reshape(self.reference, (3, 3)).T.copy()
+        if isinstance(self.base, Object):
+            return np.eye(3)
+        return self._relative(robot.at_home)[0].rotation.T.copy()
+
+
+_STILL = np.zeros(6)
+
+
+def as_rotation(matrix: np.ndarray) -> Rotation:
+    """Rotation matrix (3, 3) as a value."""
+    return tuple(np.asarray(matrix, float).reshape(9).tolist())

@@ -1,0 +1,287 @@
+"""What a view is: a quantity of robot and objects with its Jacobian.
+
+One definition serves learning (what a frame observes), control (what precision acts on, as
+``J^T W J``), reward, measures and plots. Around a state a view is an affine map from its
+coordinates to joint space, Eqs (39)-(44): ``q_hat = J^+ mu + q - J^+ y``.
+"""
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg.lapack import dposv
+
+from tpsim.errors import ArgumentError
+from tpsim.robot.objects import Objects
+from tpsim.robot.robot import Robot
+from tpsim.robot.state import State
+
+DAMPING = 0.01
+"""Singular value of a Jacobian below which its nullspace is no longer told apart [m/rad]."""
+
+UNITS = {"mm": ("m", 1e3), "deg": ("rad", 180 / np.pi), "cm": ("m", 1e2)}
+"""Units that people read, with the SI unit that they are made of and how many go into one."""
+
+
+class Seen(NamedTuple):
+    """A view at one state.
+
+    Parameters
+    ----------
+    value : (d,)
+        [m], [rad]
+    jacobian : (d, n)
+        What precision acts on.
+    drift : (d,)
+        Rate at which the value changes while the robot rests, since objects move [1/s].
+    rate : (d, n), optional
+        How the value follows the joints where that is not ``jacobian``: views beneath others.
+    """
+
+    value: np.ndarray
+    jacobian: np.ndarray
+    drift: np.ndarray
+    rate: np.ndarray | None = None
+
+
+class View(ABC):
+    """A quantity y (d,) of the robot and the objects around it; subclasses are frozen values.
+
+    Call it with a :class:`~tpsim.robot.state.State`. A state remembers what was seen of it, so
+    that a view that several others are made of is computed once.
+    """
+
+    @abstractmethod
+    def labels(self, robot: Robot) -> tuple[str, ...]:
+        """Names of the dimensions with their units, such as ``"x [m]"``."""
+
+    @abstractmethod
+    def see(self, state: State) -> Seen:
+        """Compute the view; callers use ``view(state)``, which remembers."""
+
+    def __call__(self, state: State) -> Seen:
+        """Value (d,), Jacobian (d, n) and drift (d,) of the view at a state."""
+        known = state.seen.get(id(self))
+        if known is None:
+            # The view is kept with its answer, so that no other can take its identity.
+            known = state.seen[id(self)] = (self, self.see(state))
+        return known[1]
+
+    def resolved(self, robot: Robot, compute: Callable[[Robot], np.ndarray]) -> np.ndarray:
+        """What a view needs to know of a robot besides its state: computed once for each robot."""
+        known = self.__dict__.get("_known")
+        if known is None or known[0] is not robot:
+            # Not a field of the value, so the frozen dataclass does not mind.
+            known = self.__dict__["_known"] = (robot, compute(robot))
+        resolved: np.ndarray = known[1]
+        return resolved
+
+    def __getstate__(self) -> dict[str, object]:
+        """Fields alone travel to other processes."""
+        return {name: value for name, value in self.__dict__.items() if name != "_known"}
+
+    def __getitem__(self, rows: int | slice | Sequence[int]) -> "Part":
+        """Some of the dimensions: ``view[:2]``, ``view[0]``, ``view[[0, 2]]``."""
+        if isinstance(rows, slice):
+            if rows.stop is None:
+                raise ArgumentError("say where the part of a view ends, as in view[:2]")
+            rows = range(rows.start or 0, rows.stop, rows.step or 1)
+        return Part(self, (rows,) if isinstance(rows, int) else tuple(rows))
+
+    def minus(self, origin: Sequence[float] | np.ndarray) -> "Offset":
+        """The view measured from an origin (d,)."""
+        return Offset(self, tuple(np.asarray(origin, float).tolist()))
+
+    def beneath(
+        self, *first: "View", bend: float | None = None, damping: float = DAMPING
+    ) -> "Beneath":
+        """The view in the nullspace of others that have priority, Eqs (42)-(44).
+
+        Parameters
+        ----------
+        *first : View
+            What has priority.
+        bend : float, optional
+            Radius [m/rad^2] within which an error counts as a whole: see :class:`Beneath`.
+        damping : float
+            Singular value of the first Jacobian below which its nullspace grows.
+        """
+        return Beneath(self, first, bend, damping)
+
+    def scale(self, robot: Robot, unit: str) -> float:
+        """Factor from the view's SI unit to a unit that people read, such as ``"mm"``.
+
+        Raises
+        ------
+        ArgumentError
+            If the view has not this unit.
+        """
+        base, factor = UNITS.get(unit, (unit, 1.0))
+        labels = self.labels(robot)
+        own = {match.group(1) for label in labels if (match := re.search(r"\[(.*)\]", label))}
+        if own != {base}:
+            raise ArgumentError(f"unit '{unit}' does not fit a view in {sorted(own)}")
+        return factor
+
+
+@dataclass(frozen=True)
+class Part(View):
+    """Some dimensions of a view.
+
+    Parameters
+    ----------
+    whole : View
+    rows : tuple of int
+    """
+
+    whole: View
+    rows: tuple[int, ...]
+
+    def labels(self, robot: Robot) -> tuple[str, ...]:
+        """Names of the dimensions."""
+        whole = self.whole.labels(robot)
+        return tuple(whole[row] for row in self.rows)
+
+    def see(self, state: State) -> Seen:
+        """Select the rows."""
+        rows = _as_slice(self.rows)
+        value, jacobian, drift, rate = self.whole(state)
+        part = None if rate is None else rate[rows]
+        return Seen(value[rows], jacobian[rows], drift[rows], part)
+
+
+@dataclass(frozen=True)
+class Offset(View):
+    """A view measured from an origin.
+
+    Parameters
+    ----------
+    whole : View
+    origin : (d,) tuple
+    """
+
+    whole: View
+    origin: tuple[float, ...]
+
+    def labels(self, robot: Robot) -> tuple[str, ...]:
+        """Names of the dimensions."""
+        return self.whole.labels(robot)
+
+    def see(self, state: State) -> Seen:
+        """Take the origin off."""
+        value, jacobian, drift, rate = self.whole(state)
+        if len(self.origin) != len(value):
+            raise ArgumentError(
+                f"an origin of {len(self.origin)} numbers was given for a view of "
+                f"{len(value)} dimensions"
+            )
+        return Seen(value - self.origin, jacobian, drift, rate)
+
+
+@dataclass(frozen=True)
+class Beneath(View):
+    """A view in the nullspace of others, Eqs (42)-(44): its Jacobian is ``J~ N``.
+
+    With ``N = I - J^+ J`` of what has priority, the posture of joints (Eq. 42) enters joint space
+    as ``N W N``. For a task-space view (Eqs 43, 44) ``N (J~ N)^+`` is the best that it can still
+    do; ``N J~^+`` as printed leads astray where both share a trunk.
+
+    Of an error e that cannot be removed as a whole, ``y = P e`` is the part that can be,
+
+        P = G (G + bend |e| I)^-1,    G = J~ N J~^T,
+
+    a Newton step: a nearly stretched arm reaches only ``|J|^2 / bend`` farther, however far its
+    goal is. Near its goal the whole error counts. Without ``bend`` it always does.
+
+    Parameters
+    ----------
+    second : View
+        What is observed.
+    first : tuple of View
+        What has priority.
+    bend : float, optional
+        Curvature of the hand's way as its arm stretches [m/rad^2]: the length of a link.
+    damping : float
+        Singular value of the first Jacobian below which its nullspace grows.
+    """
+
+    second: View
+    first: tuple[View, ...]
+    bend: float | None = None
+    damping: float = DAMPING
+
+    def labels(self, robot: Robot) -> tuple[str, ...]:
+        """Names of the dimensions."""
+        return self.second.labels(robot)
+
+    def see(self, state: State) -> Seen:
+        """Project the second Jacobian onto the nullspace of the first."""
+        value, J_second, drift, rate = self.second(state)
+        J = stacked_jacobian(self.first, state)
+        beneath = through_nullspace(J_second, J, self.damping)
+        if self.bend is None:
+            return Seen(value, beneath, drift, beneath)
+        s = self.damping**2 + self.bend * float(np.sqrt(value @ value))
+        G = beneath @ beneath.T
+        # P = G (G + s I)^-1 = I - s (G + s I)^-1.
+        free = np.eye(len(value)) - s * dposv(G + s * np.eye(len(value)), np.eye(len(value)))[1]
+        rate = J_second if rate is None else rate
+        return Seen(free @ value, beneath, free @ drift, free @ rate)
+
+
+def stacked_jacobian(views: Sequence[View], state: State) -> np.ndarray:
+    """Jacobians (d, n) of several views, one upon the other."""
+    if len(views) == 1:
+        return views[0](state).jacobian
+    return np.concatenate([view(state).jacobian for view in views])
+
+
+def through_nullspace(J_second: np.ndarray, J: np.ndarray, damping: float) -> np.ndarray:
+    """``J~ N`` (k, n) with ``N = I - J^T (J J^T + damping^2 I)^-1 J``, Eqs (42)-(44).
+
+    By the normal equations of J (m, n): an SVD costs ten times as much.
+    """
+    gram = J @ J.T
+    gram.flat[:: len(gram) + 1] += damping**2
+    lift: np.ndarray = dposv(gram, J)[1]
+    return J_second - (J_second @ J.T) @ lift
+
+
+def observe(
+    robot: Robot,
+    views: Sequence[View],
+    q: np.ndarray,
+    objects: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None,
+) -> list[np.ndarray]:
+    """Values (T, d_j) of every view along a movement.
+
+    Parameters
+    ----------
+    robot : Robot
+    views : sequence of View
+    q : (T, n)
+        [rad]
+    objects : mapping of str to (positions (T, 3), quaternions (T, 4)), optional
+        Where objects are meanwhile [m].
+    """
+    rows = {name: row for row, name in enumerate(objects or {})}
+    places = list((objects or {}).values())
+    values: list[list[np.ndarray]] = [[] for _ in views]
+    for t, posture in enumerate(q):
+        positions = np.array([p[t] for p, _ in places], float).reshape(-1, 3)
+        quaternions = np.array([turned[t] for _, turned in places], float).reshape(-1, 4)
+        state = robot.at(posture, objects=Objects(rows, positions, quaternions))
+        for column, view in zip(values, views, strict=True):
+            column.append(view(state).value)
+    return [np.array(column) for column in values]
+
+
+def _as_slice(rows: tuple[int, ...]) -> slice | list[int]:
+    """Rows as a slice, where they follow each other: it selects a view, and faster."""
+    first = rows[0]
+    if rows == tuple(range(first, first + len(rows))):
+        return slice(first, first + len(rows))
+    return list(rows)

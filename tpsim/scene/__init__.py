@@ -1,0 +1,1 @@
+"""Scenes: parts that MjSpec puts together, light, cameras."""

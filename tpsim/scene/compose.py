@@ -1,0 +1,128 @@
+"""Worlds put together: a robot, what it holds, objects around it, floor, light and cameras."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tpsim.robot.robot import Robot
+from tpsim.scene.parts import camera as add_camera
+from tpsim.scene.parts import hold, light, place
+from tpsim.world.world import World
+
+PAINTS = ((0.10, 0.33, 0.40), (0.72, 0.42, 0.08), (0.24, 0.42, 0.20))
+"""Colours of the objects: teal, ochre, moss."""
+
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Held:
+    """Something that a hand holds rigidly; the controller's model knows its mass.
+
+    Parameters
+    ----------
+    model : str
+        A model of tpsim (``"cup"``, ``"sugar"``, ``"beam"``), an MJCF file, or MJCF text.
+    site : str
+        Site of the robot that holds it.
+    position : (3,)
+        Origin of the model in the site [m].
+    axes : two of (3,)
+        The model's x and y axes in the site.
+    """
+
+    model: str
+    site: str
+    position: Point = (0.0, 0.0, 0.0)
+    axes: tuple[Point, Point] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Something that stands in the world; a mocap body can be moved by situations.
+
+    Parameters
+    ----------
+    model : str
+        A model of tpsim (``"marker"``, ``"dock"``, ``"table"``), an MJCF file, or MJCF text.
+    position : (3,)
+        [m]
+    paint : (3,), optional
+        Red, green, blue of what the model paints.
+    """
+
+    model: str
+    position: Point = (0.0, 0.0, 0.0)
+    paint: Point | None = None
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera at a position that looks at a target, upright.
+
+    Parameters
+    ----------
+    position, target : (3,)
+        [m]
+    fovy : float
+        Vertical field of view [deg].
+    """
+
+    position: Point
+    target: Point
+    fovy: float = 32.0
+
+
+def world(
+    robot: Robot,
+    *,
+    objects: Mapping[str, str | Placed] | None = None,
+    held: Mapping[str, Held] | None = None,
+    floor: float | None = None,
+    cameras: Mapping[str, Camera] | None = None,
+) -> World:
+    """World of a robot with objects around it.
+
+    Parameters
+    ----------
+    robot : Robot
+    objects : mapping of str to str or Placed, optional
+        Things in the world by name; the name of a model is enough for what situations move.
+    held : mapping of str to Held, optional
+        Things in the robot's hands by name. The name is also that of a site of the robot.
+    floor : float, optional
+        Height of the floor [m]; the lowest point of the robot by default.
+    cameras : mapping of str to Camera, optional
+        The film takes ``"hero"``; without one it is placed by the robot's size.
+
+    Raises
+    ------
+    SimulationError
+        If there is no such model or site, or the scene does not compile.
+    """
+    spec = robot.source.spec.copy()
+    centre, extent, lowest = _bounds(robot)
+    light(spec, lowest if floor is None else floor, tuple(centre), extent)
+    for k, (name, thing) in enumerate((objects or {}).items()):
+        placed = Placed(thing) if isinstance(thing, str) else thing
+        place(spec, placed.model, name, placed.position, placed.paint or PAINTS[k % len(PAINTS)])
+    for name, item in (held or {}).items():
+        hold(spec, item.model, name, item.site, item.position, item.axes)
+    shown = dict(cameras or {})
+    away = centre + extent * np.array([1.5, 0.95, 0.55])
+    shown.setdefault("hero", Camera(tuple(away), tuple(centre)))
+    for name, view in shown.items():
+        add_camera(spec, name, view.position, view.target, view.fovy)
+    return World.compose(robot, spec)
+
+
+def _bounds(robot: Robot) -> tuple[np.ndarray, float, float]:
+    """Middle (3,), size and lowest point of the robot at home [m], from its bodies and sites."""
+    points: Sequence[np.ndarray] = [robot.at_home.pose(site).position for site in robot.sites] or [
+        np.zeros(3)
+    ]
+    cloud = np.array(points)
+    middle = (cloud.min(0) + cloud.max(0)) / 2
+    extent = float(robot.model.stat.extent)
+    return middle, max(extent, 0.3), float(min(cloud[:, 2].min(), 0.0)) - 0.06

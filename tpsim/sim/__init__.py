@@ -1,1 +1,0 @@
-"""The simulated laboratory: scenes, robots, teaching, pushes and roll-outs."""

@@ -1,1 +1,0 @@
-"""Torque controllers: one law, and where its reference, stiffness and damping come from."""

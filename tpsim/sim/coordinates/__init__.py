@@ -1,1 +1,0 @@
-"""Coordinates y(q) that frames observe: poses, directions, and what is left free beneath them."""

@@ -1,0 +1,1 @@
+"""Tasks: what is taught, learned and performed, as values that a user makes."""

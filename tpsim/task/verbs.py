@@ -1,0 +1,118 @@
+"""What is done with a task: teach, learn, perform."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+from tpsim.errors import ArgumentError
+from tpsim.learning.tp_gmm import TPGMM
+from tpsim.task.task import Models, Situation, Task, demonstration
+from tpsim.world.episode import Person
+from tpsim.world.impedance import Controller
+from tpsim.world.plant import NOMINAL, Plant
+from tpsim.world.rollout import rollout
+from tpsim.world.teaching import teach as teach_lessons
+from tpsim.world.trial import Trial
+
+Taught = Mapping[str, Sequence[Trial]]
+"""Demonstrations of every behaviour, by name."""
+
+
+def teach(
+    task: Task,
+    count: int | None = None,
+    seed: int = 0,
+    behaviours: Sequence[str] | None = None,
+    progress: Callable[[str, int, str], None] | None = None,
+) -> dict[str, list[Trial]]:
+    """Teach the behaviours of a task on the weightless robot.
+
+    Parameters
+    ----------
+    task : Task
+    count : int, optional
+        Good demonstrations of each behaviour; as many as the task asks for by default.
+    seed : int
+    behaviours : sequence of str, optional
+        All by default.
+    progress : callable, optional
+        Told behaviour, attempt and outcome.
+
+    Raises
+    ------
+    SimulationError
+        If too many demonstrations are useless.
+    """
+    found = task.behaviours()
+    taught = {}
+    for name in found if behaviours is None else behaviours:
+        tell = None if progress is None else _telling(progress, name)
+        taught[name] = teach_lessons(
+            task.stage,
+            found[name].teacher,
+            task.demonstrations if count is None else count,
+            seed=seed,
+            sites=task.sites(),
+            progress=tell,
+        )
+    return taught
+
+
+def _telling(progress: Callable[[str, int, str], None], name: str) -> Callable[[int, str], None]:
+    return lambda attempt, outcome: progress(name, attempt, outcome)
+
+
+def learn(task: Task, taught: Taught) -> dict[str, TPGMM]:
+    """Learn every behaviour of a task from its demonstrations (Appendix A).
+
+    Raises
+    ------
+    ArgumentError
+        If a behaviour was not taught.
+    """
+    models = {}
+    for name, behaviour in task.behaviours().items():
+        if not taught.get(name):
+            raise ArgumentError(f"there are no demonstrations of '{name}'; teach it first")
+        seen = [demonstration(task.stage, trial, behaviour.views) for trial in taught[name]]
+        models[name] = behaviour.fit(seen)
+    return models
+
+
+def perform(
+    task: Task,
+    models: Models,
+    situation: Situation,
+    *,
+    controller: Controller | None = None,
+    people: Sequence[Person] = (),
+    duration: float | None = None,
+    plant: Plant = NOMINAL,
+) -> Trial:
+    """Perform a task once.
+
+    Parameters
+    ----------
+    task : Task
+    models : mapping of str to TPGMM
+    situation : Situation
+    controller : Controller, optional
+        The task's own, of what was learned, by default.
+    people : sequence of Person
+        Who pushes and leads the robot.
+    duration : float, optional
+        [s]; the task's own by default.
+    plant : Plant
+        How the simulated robot differs from the controller's model.
+    """
+    if controller is None:
+        controller = task.controller(task.stage, models, situation)
+    trial = rollout(
+        task.stage,
+        controller,
+        situation.start,
+        task.duration if duration is None else duration,
+        sites=task.sites(),
+        people=people,
+        objects=situation.objects,
+        plant=plant,
+    )
+    return trial.with_about(task.outcome(trial))

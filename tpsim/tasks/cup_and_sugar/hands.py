@@ -1,0 +1,125 @@
+"""What the cup and sugar behaviours share: where the hands may be, and how they are led."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tpsim import rotation
+from tpsim.pose import Pose
+from tpsim.world.people.guide import Grip, Guide
+from tpsim.world.people.script import Variation, script
+from tpsim.world.reach import reach
+from tpsim.world.world import World
+
+LEADING = Grip(), Variation()
+"""A hand that leads an arm through the workspace."""
+
+WATCHING = Grip(5000.0, 200.0), Variation(drift=0.001, tremor=0.0004)
+"""A hand that keeps one object at its place by another, watching: firmer and finer."""
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """Where a hand may be, about its home. Ranges are uniform and to both sides.
+
+    Parameters
+    ----------
+    position : (3,) tuple
+        m.
+    yaw, tilt : float
+        About the vertical, and about any horizontal axis [rad].
+    elbow : float
+        Standard deviation of the posture [rad] that inverse kinematics prefers, so that elbows
+        vary as a person's starting posture does.
+    """
+
+    position: tuple[float, float, float] = (0.14, 0.17, 0.13)
+    yaw: float = 0.6
+    tilt: float = 0.0
+    elbow: float = 0.35
+
+    def offset(self, rng: np.random.Generator) -> np.ndarray:
+        """A displacement (3,) [m] within the range."""
+        return rng.uniform(-1, 1, 3) * self.position
+
+    def turn(self, rng: np.random.Generator) -> np.ndarray:
+        """A rotation (3, 3) within the range: yaw after tilt."""
+        heading = rng.uniform(0, 2 * np.pi)
+        lean = self.tilt * rng.uniform(-1, 1) * np.array([np.cos(heading), np.sin(heading), 0])
+        turned: np.ndarray = rotation.exp([0, 0, self.yaw * rng.uniform(-1, 1)]) @ rotation.exp(
+            lean
+        )
+        return turned
+
+
+class Hands:
+    """The two hands of one world and what they hold.
+
+    Parameters
+    ----------
+    world : World
+
+    Attributes
+    ----------
+    cup, sugar : Pose
+        At home.
+    above : Pose
+        The sugar's place above the cup, in the cup's frame, at home.
+    left, right : tuple of str
+        Joints of each arm.
+    """
+
+    def __init__(self, world: World):
+        self._world, robot = world, world.robot
+        home = robot.at_home
+        self.cup, self.sugar = home.pose("cup"), home.pose("sugar")
+        self.above = self.cup.inverse @ self.sugar
+        self._grasp = {
+            "cup": ("left", home.pose("left_gripper").inverse @ self.cup),
+            "sugar": ("right", home.pose("right_gripper").inverse @ self.sugar),
+        }
+        self.left, self.right = (
+            tuple(robot.joints[i] for i in robot.index(f"{side}_.*")) for side in ("left", "right")
+        )
+
+    def level_cup(self, rng: np.random.Generator, workspace: Workspace) -> Pose:
+        """A pose of the cup somewhere in a workspace, level."""
+        R, p = self.cup
+        turn = replace(workspace, tilt=0.0).turn(rng)
+        return Pose(turn @ R, p + workspace.offset(rng))
+
+    def reach(self, rng: np.random.Generator, elbow: float, **held: Pose) -> np.ndarray:
+        """Posture (n,) that brings ``cup`` and ``sugar`` to poses, elbows drawn at random."""
+        home = self._world.robot.home
+        preferred = home + elbow * rng.standard_normal(home.size)
+        return reach(self._world.robot, held, posture=preferred)
+
+    def guide(
+        self,
+        held: str,
+        rotations: np.ndarray,
+        positions: np.ndarray,
+        seconds: float,
+        rng: np.random.Generator,
+        *,
+        relative_to: str | None = None,
+    ) -> Guide:
+        """A person's hand on the gripper that leads what it holds along via poses.
+
+        Parameters
+        ----------
+        held : str
+            ``"cup"`` or ``"sugar"``.
+        rotations, positions : (V, 3, 3), (V, 3)
+            Via poses of the held object [m], in the world or in the site ``relative_to``.
+        seconds : float
+            Time from the first to the last [s].
+        """
+        side, (R_grasp, p_grasp) = self._grasp[held]
+        # From the object's pose to that of the gripper that holds it.
+        rotations = np.asarray(rotations) @ R_grasp.T
+        positions = np.asarray(positions) - rotations @ p_grasp
+        timestep = self._world.timestep
+        grip, variation = LEADING if relative_to is None else WATCHING
+        path = script(rotations, positions, seconds, timestep, rng, variation)
+        return Guide(f"{side}_guide", f"{side}_gripper", grip, path, relative_to)

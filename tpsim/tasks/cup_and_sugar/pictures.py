@@ -1,0 +1,150 @@
+"""Pictures of the study of cup and sugar: sections of its report, sequences of its film."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from tpsim.film.clip import Clip, Ellipsoid
+from tpsim.study import plot
+from tpsim.study.condition import Lead
+from tpsim.study.record import Record, Records
+from tpsim.study.report import Picture, Section
+from tpsim.study.study import Lab
+from tpsim.task.task import Task, draw_situation
+from tpsim.task.verbs import perform
+from tpsim.tasks.cup_and_sugar import conditions, cup
+from tpsim.tasks.cup_and_sugar.measures import offset, yielding
+from tpsim.world.people.push import Push
+from tpsim.world.trial import Trial
+
+_NAMES = {"learned": "learned", "stiff": "fixed, stiff", "soft": "fixed, soft"}
+
+
+def sections(records: Records) -> list[Section]:
+    """Tilt, offset, yielding and stiffness, as far as the trials show them."""
+    groups = {name: records.select("pushed", key) for key, name in _NAMES.items()}
+    groups = {name: found for name, found in groups.items() if found}
+    if not groups:
+        groups = {"unpushed": records.select("unpushed")}
+    shown = {name: groups[name] for name in list(groups)[:2]}
+    found = []
+    if "cup" in records.models:
+        figure = plot.panels(shown, _tilt, label="cup tilt [deg]", limit=5.0)
+        found.append(Section("The cup stays level", _TILT, [Picture(figure)]))
+    if "sugar" in records.models:
+        figure = plot.panels(shown, offset, label="sugar offset [mm]", limit=15.0)
+        found.append(Section("The sugar stays above it", _OFFSET, [Picture(figure)]))
+    more = _yielding(records), _stiffness(records)
+    return found + [section for section in more if section is not None]
+
+
+def _tilt(record: Record) -> np.ndarray:
+    return np.degrees(np.linalg.norm(record.see(cup.LEVEL), axis=1))
+
+
+_TILT = (
+    "Angle of the cup's axis from the vertical while a person pushes the left hand with 20 N. "
+    "Thin lines are trials, the thick one their median."
+)
+_OFFSET = (
+    "Distance of the sugar from the place above the cup where it was taught to be. The stiff "
+    "controller holds the hand itself; the learned one lets the hand go and takes the sugar along."
+)
+
+
+def _yielding(records: Records) -> Section | None:
+    moved = yielding("left_hand")
+    bars: dict[str, dict[str, list[float]]] = {}
+    for record in records.select("pushed", None):
+        way = moved(record)
+        if way is None:
+            continue
+        (push,) = record.condition.push
+        axis = int(np.argmax(np.abs(push.force)))
+        direction = ("+" if push.force[axis] > 0 else "−") + "xyz"[axis]
+        group = bars.setdefault(_NAMES[record.condition.controller], {})
+        group.setdefault(direction, []).append(way.max())
+    if not bars:
+        return None
+    means = {name: {d: float(np.mean(v)) for d, v in group.items()} for name, group in bars.items()}
+    figure = plot.paired_bars(means, label="peak displacement [mm]")
+    text = (
+        "How far the left hand gives way to 20 N, by direction. The fixed stiff gain keeps the "
+        "sugar about as near to its place as the learned controller does, and hardly yields; the "
+        "fixed soft one yields, and loses the sugar."
+    )
+    return Section("The hand gives way", text, [Picture(figure)])
+
+
+def _stiffness(records: Records) -> Section | None:
+    found = records.select("pushed") or records.select("unpushed")
+    if not found:
+        return None
+    scalars = {
+        f"{hand} hand, {axis}": _stiffness_of(hand, k)
+        for hand in ("left", "right")
+        for k, axis in enumerate("xyz")
+    }
+    figure = plot.signals(found[0], scalars, label="stiffness [N/m]")
+    text = "What a slow push at each hand meets along the world's axes, in the first trial."
+    return Section("Stiffness over time", text, [Picture(figure)])
+
+
+def _stiffness_of(hand: str, k: int) -> Callable[[Record], np.ndarray]:
+    return lambda record: record[f"{hand}_hand_stiffness"][:, k, k]
+
+
+_CAPTIONS: Mapping[str, tuple[str, str]] = {
+    "cup": ("Demonstration: holding a cup level", "the weightless left arm is led by hand"),
+    "sugar": ("Demonstration: holding sugar above the cup", "both arms are led by hand"),
+}
+
+
+def clips(lab: Lab, records: Records) -> list[Clip]:
+    """The four sequences of Fig. 9: two demonstrations, one behaviour led, both pushed."""
+    shown = []
+    for name, caption in _CAPTIONS.items():
+        if lab.taught.get(name):
+            shown.append(clip(lab, lab.taught[name][0], *caption, speed=2.0))
+    task = lab.task
+    if "sugar" in lab.models:
+        alone = type(task)(taught=("sugar",))  # type: ignore[call-arg]
+        caption = "Reproduction: sugar above the cup", "a person leads the left hand by 15 cm"
+        shown.append(clip(lab, _led(lab, alone), *caption))
+    caption = "Reproduction: " + " + ".join(lab.models), "pushes of 20 N on the left hand"
+    return [*shown, clip(lab, _pushed(lab, task), *caption)]
+
+
+def _led(lab: Lab, task: Task) -> Trial:
+    situation = draw_situation(task, 0, 0)
+    twin = perform(task, lab.models, situation, duration=1.5)
+    origin = tuple(twin["left_hand_position"][-1].tolist())
+    lead = Lead("left_gripper", origin, (0.0, conditions.TRAVEL, 0.0), start=1.5, duration=2.5)
+    return perform(task, lab.models, situation, people=[lead], duration=6.0)
+
+
+def _pushed(lab: Lab, task: Task) -> Trial:
+    forces: Sequence[np.ndarray] = conditions.PUSH * conditions.DIRECTIONS[[0, 2, 4]]
+    pushes = [
+        Push("left_gripper", tuple(force.tolist()), start=1.2 + 2.6 * k, duration=1.4)
+        for k, force in enumerate(forces)
+    ]
+    situation = draw_situation(task, 0, 1)
+    return perform(task, lab.models, situation, people=pushes, duration=9.0)
+
+
+def clip(lab: Lab, trial: Trial, title: str, subtitle: str, *, speed: float = 1.0) -> Clip:
+    """A recorded trial with forces as arrows, hand traces and stiffness ellipsoids."""
+    ellipsoids = [
+        Ellipsoid(trial[f"{hand}_position"], trial[f"{hand}_stiffness"])
+        for hand in trial.channels.hands
+    ]
+    return Clip.of(
+        lab.world,
+        trial,
+        title,
+        subtitle,
+        traces=(trial["cup_position"], trial["sugar_position"]),
+        ellipsoids=tuple(ellipsoids),
+        speed=speed,
+    )

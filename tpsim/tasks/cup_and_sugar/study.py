@@ -1,0 +1,59 @@
+"""The study of cup and sugar: pushes, a pushed elbow, a led hand, beside fixed gains."""
+
+import numpy as np
+
+from tpsim.controllers.renewed import FixedImpedance
+from tpsim.study.identify import identify_stiffness
+from tpsim.study.study import ControllerFactory, Lab, Study
+from tpsim.task.task import Models, Situation
+from tpsim.tasks.cup_and_sugar import pictures
+from tpsim.tasks.cup_and_sugar.conditions import conditions
+from tpsim.tasks.cup_and_sugar.measures import measures
+from tpsim.tasks.cup_and_sugar.task import CupAndSugar
+from tpsim.world.world import World
+
+STIFF, SOFT = 2000.0, 40.0
+"""Constant joint gains [1/s^2] of the controllers to compare with."""
+
+
+def fixed(stiffness: float) -> ControllerFactory:
+    """Constant gains about the start posture."""
+
+    def controller(world: World, models: Models, situation: Situation) -> FixedImpedance:
+        return FixedImpedance(np.array(situation.start), stiffness)
+
+    return controller
+
+
+def stiffness_error(lab: Lab) -> float:
+    """Physical stiffness of the hands beside the commanded one, largest error [%]."""
+    world, home, errors = lab.world, lab.world.robot.home, []
+    for arm in ("left", "right") if len(lab.task.behaviours()) == 2 else ("left",):
+        controller = lab.task.controller(world, lab.models, Situation(home))
+        measured, commanded = identify_stiffness(world, controller, home, f"{arm}_gripper")
+        errors.append(np.linalg.norm(measured - commanded) / np.linalg.norm(commanded))
+    return float(100 * max(errors))
+
+
+def study(task: CupAndSugar) -> Study:
+    """The study of one or both behaviours."""
+    return Study(
+        task,
+        measures(task.taught),
+        controllers={"stiff": fixed(STIFF), "soft": fixed(SOFT)},
+        conditions=conditions,
+        probes={"stiffness_error_percent": stiffness_error},
+        title="Cup and sugar",
+        lead=(
+            "Two behaviours were taught apart by leading the weightless arms: hold the cup level, "
+            "and keep the sugar above it. The robot performs both at once where it was never "
+            "shown, stiff where the teacher was precise and soft where the teacher did not care."
+        ),
+        sections=pictures.sections,
+        clips=pictures.clips,
+    )
+
+
+cup_and_sugar = study(CupAndSugar())
+cup = study(CupAndSugar(("cup",)))
+sugar = study(CupAndSugar(("sugar",)))

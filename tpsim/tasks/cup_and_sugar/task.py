@@ -1,0 +1,104 @@
+"""Two behaviours taught apart: hold a cup level, hold a sugar cube above it (Section 6, Fig. 9).
+
+``cup-and-sugar`` performs the product of the two learned controllers.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from tpsim.controllers.minimal_intervention import MinimalIntervention
+from tpsim.controllers.product import Skill
+from tpsim.gaussian import Gaussian
+from tpsim.learning.tp_gmm import fit_tp_gmm
+from tpsim.scene.compose import Held, world
+from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
+from tpsim.tasks.cup_and_sugar import cup, sugar
+from tpsim.tasks.cup_and_sugar.hands import Hands
+from tpsim.tasks.robots import CAMERAS, FLOOR, TABLE, baxter
+from tpsim.world.world import World
+
+HOME = (
+    *(0.77643, 0.48409, -0.91141, 2.06775, -0.10938, 0.33157, -0.67192),
+    *(0.49732, -0.90217, 1.1919, 1.40747, -0.61722, 1.47197, 0.00951),
+)
+"""Both arms before the chest, cup level, sugar 8 cm above the middle of its rim [rad]."""
+
+HELD = {
+    # By its handle: its axis is the gripper's x, its handle points along -z of the gripper.
+    "cup": Held("cup", "left_gripper", (0, 0, 0.056), ((0, 0, 1), (0, -1, 0))),
+    "sugar": Held("sugar", "right_gripper", (0, 0, 0.006)),
+}
+
+_ROOMS = {"cup": cup, "sugar": sugar}
+
+
+@dataclass(frozen=True)
+class CupAndSugar(Task):
+    """One or both of the behaviours on Baxter.
+
+    Parameters
+    ----------
+    taught : tuple of str
+        Behaviours: ``"cup"``, ``"sugar"`` or both.
+    effort : float
+        Cost of acceleration [s^4/(kg m^2)]: the one number that sets how soft the robot is.
+    components : int
+        Gaussians of each behaviour.
+    hold : float
+        Standard deviation [rad] with which joints that no behaviour was taught hold their start.
+    """
+
+    taught: tuple[Literal["cup", "sugar"], ...] = ("cup", "sugar")
+    effort: float = 0.3
+    components: int = 1
+    hold: float = 0.1
+
+    duration: ClassVar[float] = 6.0
+
+    @property
+    def name(self) -> str:
+        """``cup``, ``sugar`` or ``cup-and-sugar``."""
+        return "-and-".join(self.taught)
+
+    def world(self) -> World:
+        """Baxter with a cup in its left hand and a sugar cube in its right one."""
+        return world(baxter(HOME), objects=TABLE, held=HELD, floor=FLOOR, cameras=CAMERAS)
+
+    def sites(self) -> dict[str, str]:
+        """Hands, what they hold, and elbows."""
+        return self.stage.robot.hands | {
+            name: name for name in ("cup", "sugar", "left_elbow", "right_elbow")
+        }
+
+    def behaviours(self) -> Mapping[str, Behaviour]:
+        """Candidate frames and teachers."""
+        fit = partial(fit_tp_gmm, components=self.components)
+        return {n: Behaviour(_ROOMS[n].VIEWS, _ROOMS[n].lesson, fit) for n in self.taught}
+
+    def situation(self, world: World, rng: np.random.Generator) -> Situation:
+        """Draw a start posture: level cup, and sugar above it where that was taught."""
+        return Situation(_ROOMS[self.taught[-1]].start(Hands(world), rng))
+
+    def controller(self, world: World, models: Models, situation: Situation) -> MinimalIntervention:
+        """The product of all frames of the behaviours."""
+        skills = [Skill(b.views, models[name]) for name, b in self.behaviours().items()]
+        prior = None
+        if self.taught == ("cup",):
+            # The right arm was not taught: it holds still. 10 rad say nothing about the left one.
+            right = [joint.startswith("right") for joint in world.robot.joints]
+            deviation = np.where(right, self.hold, 10.0)
+            prior = Gaussian(np.array(situation.start), np.diag(deviation**2))
+        return MinimalIntervention(skills, effort=self.effort, prior=prior)
+
+    def goals(self) -> dict[str, Goal]:
+        """A level cup, and the sugar at its place above it."""
+        place = Hands(self.stage).above.position
+        goals = {
+            "cup": Goal(cup.LEVEL, float(np.radians(5.0))),
+            "sugar": Goal(sugar.ABOVE.position.minus(place), 0.015),
+        }
+        return {name: goals[name] for name in self.taught}

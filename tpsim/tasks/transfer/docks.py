@@ -1,0 +1,150 @@
+"""The two docks of the transfer task: where they may be, and how a teacher leaves and enters one.
+
+A situation is a displacement of both docks from home in units of the taught range: twelve numbers,
+three of position and three of rotation for each dock, all within -1 and 1 where it was taught.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+
+from tpsim import rotation
+from tpsim.pose import Pose
+from tpsim.world.object_path import ObjectPath
+from tpsim.world.people.guide import Grip, Guide, HandPath
+from tpsim.world.people.script import Variation, script
+from tpsim.world.reach import reach
+from tpsim.world.world import World
+
+NAMES = ("start", "end")
+"""The docks: what is carried leaves the first and enters the second."""
+
+GRIPPER = "left_gripper"
+"""Site of the hand that carries."""
+
+HOME = {"start": ((0.60, 0.48, 0.13), 2.83), "end": ((0.60, 0.14, 0.13), 0.45)}
+"""Position [m] and heading [rad] of each dock: they open towards each other and the robot."""
+
+RANGE = np.array([0.045, 0.045, 0.035, 0.08, 0.08, 0.2])
+"""Where a dock may be about home in taught situations, to both sides: [m] and [rad]."""
+
+FAR = np.sqrt(7.0)
+"""Displacements so many times as large (rms) as the taught ones are twice as far from these as
+these from each other: with t, t' taught and z far, E|t - t'|^2 = 2 E|t|^2 and
+E|z - t|^2 = |z|^2 + E|t|^2."""
+
+HELD = {"start": rotation.exp([np.pi, 0.0, 0.0]), "end": rotation.exp([0.0, np.pi, 0.0])}
+"""Rotation of the gripper in each dock, pointing down. The charts of orientation begin there."""
+
+TILT, OUT = rotation.exp([-0.3, 0.0, 0.0]), np.array([0.0, 0.12, 0.03])
+"""From inside a dock to the pose that the teacher passes before and after it: tilted, out of the
+open side and higher."""
+
+SKILL = {"inside": (0.0015, 0.01), "outside": (0.005, 0.03)}
+"""Standard deviations [m], [rad] with which the teacher meets a pose in a dock and before it."""
+
+SECONDS = (4.5, 5.5)
+"""The way between the docks lasts a time drawn from this range [s]."""
+
+REST = 0.5
+"""Time [s] that the teacher's hand rests in each dock."""
+
+ELBOW = 0.25
+"""Standard deviation of the posture [rad] that inverse kinematics prefers at the start."""
+
+ASIDE = -0.7
+"""Angle [rad] by which the other arm is turned out of the way."""
+
+MARGIN = 0.15
+"""Distance that the teacher's poses keep from the joint limits [rad]."""
+
+Docks = Mapping[str, Pose]
+"""Where each dock is in the world."""
+
+
+def draw(rng: np.random.Generator, far: bool = False) -> Docks:
+    """Draw docks within the taught range; or ``FAR`` from it, in a direction drawn so."""
+    displacement = rng.uniform(-1, 1, 12)
+    if far:
+        taught = np.sqrt(displacement.size / 3)
+        displacement *= FAR * taught / np.linalg.norm(displacement)
+    docks = {}
+    for (name, (position, heading)), offset in zip(
+        HOME.items(), displacement.reshape(2, 6) * RANGE, strict=True
+    ):
+        R = rotation.exp(offset[3:]) @ rotation.exp([0.0, 0.0, heading])
+        docks[name] = Pose(R, position + offset[:3])
+    return docks
+
+
+def at_rest(docks: Docks) -> tuple[ObjectPath, ...]:
+    """The docks as objects that stand still."""
+    return tuple(ObjectPath.at(name, p.position, p.quaternion) for name, p in docks.items())
+
+
+def at_start(paths: Sequence[ObjectPath]) -> Docks:
+    """Where the docks are when they begin to move along their paths."""
+    return {path.name: path.first for path in paths}
+
+
+def via_poses(docks: Docks) -> tuple[np.ndarray, np.ndarray]:
+    """Poses of the gripper that the teacher passes: rotations (4, 3, 3), positions (4, 3)."""
+    (R, p), (R_end, p_end) = (docks[name] for name in NAMES)
+    rotations = (
+        R @ HELD["start"],
+        R @ TILT @ HELD["start"],
+        R_end @ TILT @ HELD["end"],
+        R_end @ HELD["end"],
+    )
+    return np.array(rotations), np.array([p, p + R @ OUT, p_end + R_end @ OUT, p_end])
+
+
+def start_posture(world: World, docks: Docks, rng: np.random.Generator) -> np.ndarray:
+    """Posture (n,) with the gripper in the first dock, the elbow drawn at random.
+
+    Raises
+    ------
+    SimulationError
+        Where the arm cannot follow the teacher through all via poses.
+    """
+    robot = world.robot
+    carries = np.array([joint.startswith("left") for joint in robot.joints])
+    preferred = robot.home + ELBOW * carries * rng.standard_normal(carries.size)
+    preferred[robot.index("right_s0")] += ASIDE
+    postures: list[np.ndarray] = []
+    for R, p in zip(*via_poses(docks), strict=True):
+        start = postures[-1] if postures else None
+        postures.append(
+            reach(robot, {GRIPPER: Pose(R, p)}, start=start, posture=preferred, margin=MARGIN)
+        )
+        preferred = postures[-1]
+    return postures[0]
+
+
+def guide(world: World, docks: Docks, seconds: float, rng: np.random.Generator) -> Guide:
+    """A teacher's hand on the gripper that carries it from one dock into the other.
+
+    ``seconds`` is the time of the way between them; the hand rests before and after it.
+    """
+    rotations, positions = via_poses(docks)
+    skill = [SKILL["inside"], SKILL["outside"], SKILL["outside"], SKILL["inside"]]
+    moved, turned = np.array(skill).T[..., None]
+    positions = positions + moved * rng.standard_normal((4, 3))
+    rotations = rotation.exp(turned * rng.standard_normal((4, 3))) @ rotations
+    way = script(rotations, positions, seconds, world.timestep, rng, Variation())
+    return Guide("left_guide", GRIPPER, Grip(), _with_rest(way, round(REST / world.timestep)))
+
+
+def _with_rest(way: HandPath, steps: int) -> HandPath:
+    """The same path with rest before and after it."""
+
+    def rested(poses: np.ndarray, mode: Literal["edge", "constant"]) -> np.ndarray:
+        return np.pad(poses, [(steps, steps)] + [(0, 0)] * (poses.ndim - 1), mode)
+
+    return HandPath(
+        rested(way.position, "edge"),
+        rested(way.rotation, "edge"),
+        rested(way.velocity, "constant"),
+        rested(way.angular_velocity, "constant"),
+    )

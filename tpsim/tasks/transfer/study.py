@@ -1,0 +1,187 @@
+"""The study of transfer: docks at rest and moving, near and far, with and without pushes."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from tpsim.robot.views.view import View
+from tpsim.study import health
+from tpsim.study.condition import Condition
+from tpsim.study.measure import Measure
+from tpsim.study.record import Record, Records
+from tpsim.study.study import Lab, Phases, Plan, Study
+from tpsim.task.task import Situation, draw_situation
+from tpsim.tasks.transfer import docks, pictures
+from tpsim.tasks.transfer.task import SEEN, Transfer, lesson_between
+from tpsim.world.object_path import ObjectPath
+from tpsim.world.people.push import Push
+from tpsim.world.teaching import Lesson
+from tpsim.world.world import World
+
+PUSH = 10.0
+"""Force [N] on the hand, for two seconds."""
+
+PUSHED = (1.0, 3.5)
+"""A push begins at a time drawn from this range [s]."""
+
+MOVED = (2.0, 4.0)
+"""When docks that move leave their place, and are in another [s]."""
+
+ENDED = 0.5
+"""Time [s] at the end of a trial, of which the worst moment counts."""
+
+_MOVES = 3
+
+
+def conditions(lab: Lab, plan: Plan) -> Phases:
+    """Every situation beside the teacher's own way, moved and pushed; and others, far away."""
+    task, found = lab.task, []
+    assert isinstance(task, Transfer)
+    for index in range(plan.situations):
+        near = draw_situation(task, plan.seed, index)
+        far = draw_situation(task, plan.seed, index, partial(task.situation, far=True))
+        rng = plan.rng(_MOVES, index)
+        found += [
+            Condition("unpushed", near),
+            Condition("taught", near, shown="transfer"),
+            Condition("moved", _moved(near, docks.draw(rng))),
+            Condition("far", far),
+        ]
+        for k in range(plan.pushes):
+            label, situation = ("far pushed", far) if k % 2 else ("pushed", near)
+            found.append(Condition(label, situation, push=(_push(rng),)))
+    yield found
+
+
+def show(world: World, situation: Situation, rng: np.random.Generator) -> Lesson:
+    """How the teacher would carry in a situation."""
+    placed = docks.at_start(situation.objects)
+    return lesson_between(world, placed, np.array(situation.start), rng)
+
+
+def _moved(situation: Situation, elsewhere: docks.Docks) -> Situation:
+    """The situation with both docks on their way to another one while the arm carries."""
+    moving = []
+    for path in situation.objects:
+        there = elsewhere[path.name]
+        assert path.quaternions is not None
+        moving.append(
+            ObjectPath(
+                path.name,
+                (path.positions[0], tuple(there.position.tolist())),
+                MOVED,
+                (path.quaternions[0], tuple(there.quaternion.tolist())),
+            )
+        )
+    return replace(situation, objects=tuple(moving))
+
+
+def _push(rng: np.random.Generator) -> Push:
+    force = rng.standard_normal(3)
+    force *= PUSH / np.linalg.norm(force)
+    return Push(docks.GRIPPER, tuple(force.tolist()), start=float(rng.uniform(*PUSHED)))
+
+
+def path_rms(record: Record) -> float | None:
+    """Distance [mm] between the hand's path and the teacher's in the same situation, rms.
+
+    From all points of either path to the nearest of the other one; the larger of both counts.
+    """
+    teacher = record.beside("taught")
+    if teacher is None:
+        return None
+    hand, taught = record["left_hand_position"], teacher["left_hand_position"]
+    apart = np.linalg.norm(hand[:, None] - taught, axis=-1)
+    return 1e3 * max(float(np.sqrt(np.mean(apart.min(axis) ** 2))) for axis in (0, 1))
+
+
+def at_the_end(view: View) -> Callable[[Record], np.ndarray]:
+    """Norm of a view over the last moments of a trial [mm], [deg]."""
+
+    def error(record: Record) -> np.ndarray:
+        value = np.linalg.norm(record.see(view), axis=1)
+        time = record.trial.time
+        # What comes before the end does not count.
+        return np.where(time >= time[-1] - ENDED, value, 0.0)
+
+    return error
+
+
+def _end(name: str, labels: str | Sequence[str], title: str) -> tuple[Measure, Measure]:
+    position, orientation = (at_the_end(SEEN["end", part]) for part in ("position", "orientation"))
+    return (
+        Measure(
+            f"{name}_mm",
+            of=lambda record: 1e3 * position(record),
+            unit="mm",
+            label=labels,
+            limit=5.0,
+            title=title,
+        ),
+        Measure(
+            f"{name}_deg",
+            of=lambda record: np.degrees(orientation(record)),
+            unit="deg",
+            label=labels,
+            limit=3.0,
+            title="The same, orientation",
+        ),
+    )
+
+
+def unreachable(records: Records) -> int:
+    """Trials that ended far from the second dock."""
+    return sum(record.trial.outcome == "unreachable" for record in records.select())
+
+
+MEASURES = (
+    *_end("end", ("unpushed", "pushed"), "End from the second dock, worst"),
+    *_end("end_pushed", "pushed", "End after a push of 10 N, worst"),
+    *_end("end_moved", "moved", "End where the docks have moved, worst"),
+    *_end("end_far", ("far", "far pushed"), "End twice as far from what was taught, worst"),
+    Measure(
+        "path_rms_mm",
+        of=path_rms,
+        unit="mm",
+        label="unpushed",
+        limit=30.0,
+        title="Path from the teacher's own, rms, worst trial",
+    ),
+    Measure(
+        "path_pushed_rms_mm",
+        of=path_rms,
+        unit="mm",
+        label="pushed",
+        title="The same, while pushed with 10 N",
+    ),
+    health.SATURATED,
+    Measure("unreachable", whole=unreachable, title="Trials that ended out of reach"),
+    health.DIVERGED,
+    health.CONTACTS,
+    health.realtime(8.0),
+)
+
+
+def study(task: Transfer) -> Study:
+    """The study of transfer."""
+    return Study(
+        task,
+        MEASURES,
+        conditions=conditions,
+        show=show,
+        title="Transfer between two docks",
+        lead=(
+            "The weightless arm was led to carry a cube out of one dock into another. How to "
+            "leave the first and enter the second was found in the demonstrations alone: it is "
+            "what each dock saw consistently. The arm then carries between docks where they never "
+            "were, twice as far from the taught places as these from each other, and while the "
+            "docks move."
+        ),
+        sections=pictures.sections,
+        clips=pictures.clips,
+    )
+
+
+transfer = study(Transfer())

@@ -1,0 +1,183 @@
+"""Carry from one dock into another along a learned approach (U-shaped frames of Figs 1, 2, 12).
+
+Every dock sees the gripper's position and orientation over time (Eq. 20), each as a frame of its
+own; the arm's posture is one more frame. What a frame saw consistently is precise there: near the
+docks the way of leaving and entering them. The movement is retrieved by GMR in each frame, and
+tracked by the LQT of all frames at once over the finite horizon (Eq. 38), wherever the docks go.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from tpsim.control.poses import SeenMovement
+from tpsim.controllers.finite_horizon import FiniteHorizon
+from tpsim.demonstration import Demonstration
+from tpsim.gaussian import Gaussian
+from tpsim.learning.dtw import align
+from tpsim.learning.gmm import GMM
+from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
+from tpsim.pose import Pose
+from tpsim.retrieval.gmr import gmr
+from tpsim.robot.robot import Robot
+from tpsim.robot.views.joints import Joints
+from tpsim.robot.views.sites import Object, Site
+from tpsim.scene.compose import Held, Placed, world
+from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
+from tpsim.tasks.cup_and_sugar.task import CAMERAS, TABLE
+from tpsim.tasks.robots import FLOOR, baxter
+from tpsim.tasks.transfer import docks
+from tpsim.world.teaching import Lesson
+from tpsim.world.trial import Trial
+from tpsim.world.world import World
+
+MOVEMENT = sum(docks.SECONDS) / 2 + 2 * docks.REST
+"""Time of the movement [s], as it was taught on average; its end then lasts."""
+
+DT = 0.03
+"""Time step of the plan [s]."""
+
+ARRIVED = {"position": 0.005, "orientation": float(np.radians(3.0))}
+"""Distance [m] and angle [rad] from the place in the second dock at which the hand is there."""
+
+MISSED = 10.0
+"""How many times farther than that the hand counts as unable to reach it."""
+
+# Apart, since a few demonstrations do not show how position and orientation depend on each other.
+SEEN = {
+    (name, part): view
+    for name in docks.NAMES
+    for part, view in (
+        ("position", Site(docks.GRIPPER).seen_from(Object(name)).position),
+        (
+            "orientation",
+            Site(docks.GRIPPER).seen_from(Object(name)).orientation.about(docks.HELD[name]),
+        ),
+    )
+}
+"""Parts of the hand's pose as each dock sees them, Eq. (41)."""
+
+VIEWS = {f"{part} from {name}": view for (name, part), view in SEEN.items()} | {
+    "posture": Joints("left_.*")
+}
+"""Candidate frames: position and orientation from each dock, and the arm's posture."""
+
+
+@dataclass(frozen=True)
+class Transfer(Task):
+    """Carry a sugar cube from the first dock into the second, on Baxter's left arm.
+
+    Parameters
+    ----------
+    effort : float
+        Cost of torque [1/(Nm)^2]: the one number that sets how soft the arm is.
+    components : int
+        Gaussians of the movement.
+    samples : int
+        Samples of a demonstration from which the model is learned.
+    warp : float
+        Share of the movement by which demonstrations may be out of step before they are aligned.
+    """
+
+    effort: float = 0.05
+    components: int = 10
+    samples: int = 150
+    warp: float = 0.1
+
+    duration: ClassVar[float] = MOVEMENT + 1.5
+    demonstrations: ClassVar[int] = 12
+
+    def world(self) -> World:
+        """Baxter with a sugar cube in its left hand, and two docks."""
+        objects = {name: Placed("dock", spot) for name, spot in _SPOTS.items()}
+        held = {"sugar": Held("sugar", docks.GRIPPER, (0, 0, 0.006))}
+        return world(baxter(), objects=TABLE | objects, held=held, floor=FLOOR, cameras=CAMERAS)
+
+    def sites(self) -> dict[str, str]:
+        """The hand that carries, and its elbow."""
+        return {"left_hand": docks.GRIPPER, "left_elbow": "left_elbow"}
+
+    def behaviours(self) -> Mapping[str, Behaviour]:
+        """One movement, seen from both docks."""
+        return {"transfer": Behaviour(VIEWS, lesson, self._fit)}
+
+    def _fit(self, seen: Sequence[Demonstration]) -> TPGMM:
+        """A TP-GMM over time and all frames, of demonstrations brought onto one time."""
+        clock = np.linspace(0.0, MOVEMENT, self.samples)
+        views = [demonstration.resampled(self.samples) for demonstration in seen]
+        aligned = align(views, by="frames", band=self.warp * self.samples)
+        timed = [view.with_time(clock) for view in aligned]
+        return fit_tp_gmm(timed, self.components, start="time")
+
+    def situation(self, world: World, rng: np.random.Generator, far: bool = False) -> Situation:
+        """Draw docks, and a posture with the hand in the first one; ``far`` beyond the taught."""
+        placed = docks.draw(rng, far)
+        return Situation(docks.start_posture(world, placed, rng), docks.at_rest(placed))
+
+    def controller(self, world: World, models: Models, situation: Situation) -> FiniteHorizon:
+        """GMR over time in every frame, then LQT of all of them."""
+        model = models["transfer"]
+        times = np.linspace(0.0, MOVEMENT, round(MOVEMENT / DT) + 1)
+        *seen, posture = (gmr(GMM(model.priors, frame), times) for frame in model.frames)
+        movements = []
+        for name, *parts in zip(docks.NAMES, seen[::2], seen[1::2], strict=True):
+            precision = np.zeros((len(times), 6, 6))
+            precision[:, :3, :3], precision[:, 3:, 3:] = (part.precision for part in parts)
+            mean = np.hstack([gaussian.mean for gaussian in parts])
+            movements.append(SeenMovement(mean, precision, docks.HELD[name]))
+        return FiniteHorizon(
+            world.robot,
+            docks.NAMES,
+            movements,
+            # Too few demonstrations to tell how seven joints depend on each other.
+            Gaussian(posture.mean, posture.covariance * np.eye(posture.dim)),
+            joints=arm(world.robot, "left"),
+            site=docks.GRIPPER,
+            dt=DT,
+            effort=self.effort,
+        )
+
+    def goals(self) -> dict[str, Goal]:
+        """The hand at its place in the second dock."""
+        return {part: Goal(SEEN["end", part], enough) for part, enough in ARRIVED.items()}
+
+    def outcome(self, trial: Trial) -> str:
+        """``"unreachable"`` where the hand ends far from the second dock."""
+        if trial.outcome == "diverged":
+            return trial.outcome
+        last = {name: Pose(R[-1], p[-1]) for name in docks.NAMES for R, p in [trial.pose(name)]}
+        state = self.stage.robot.at(trial["q"][-1], objects=last)
+        missed = any(
+            np.linalg.norm(SEEN["end", part](state).value) > MISSED * enough
+            for part, enough in ARRIVED.items()
+        )
+        return "unreachable" if missed else trial.outcome
+
+
+_SPOTS = {
+    name: (0.75 * np.cos(angle), -0.75 * np.sin(angle), 0.0)
+    for name, angle in zip(docks.NAMES, (-np.pi / 12, np.pi / 12), strict=True)
+}
+
+
+def lesson(world: World, rng: np.random.Generator) -> Lesson:
+    """Draw docks within the taught range, and how a person carries between them."""
+    placed = docks.draw(rng)
+    return lesson_between(world, placed, docks.start_posture(world, placed, rng), rng)
+
+
+def lesson_between(
+    world: World, placed: docks.Docks, start: np.ndarray, rng: np.random.Generator
+) -> Lesson:
+    """How a person carries between given docks."""
+    seconds = rng.uniform(*docks.SECONDS)
+    guide = docks.guide(world, placed, seconds, rng)
+    held = arm(world.robot, "right")
+    return Lesson(start, (guide,), seconds + 2 * docks.REST, held, docks.at_rest(placed))
+
+
+def arm(robot: Robot, side: str) -> tuple[str, ...]:
+    """Joints of one arm."""
+    return tuple(robot.joints[i] for i in robot.index(f"{side}_.*"))

@@ -1,0 +1,1 @@
+"""The plant and all around it: simulation, objects, people, roll-outs, teaching."""

@@ -1,0 +1,119 @@
+"""One trial as it goes: clock, objects, sensors, motors, people, physics, step by step."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from tpsim.robot.state import State
+from tpsim.world.object_path import MovingObjects, ObjectPath
+from tpsim.world.plant import NOMINAL, Delay, Plant, Sensors
+from tpsim.world.simulation import Simulation
+
+DIVERGED_SPEED = 30.0
+"""Joint speed [rad/s] beyond which a robot is given up as diverged."""
+
+
+class BoundPerson(Protocol):
+    """A person in one simulation."""
+
+    name: str
+    wrench: np.ndarray
+    point: np.ndarray
+
+    def act(self, step: int, state: State) -> None:
+        """Apply the wrench of a time step."""
+        ...
+
+
+class Person(Protocol):
+    """Who pushes or leads the robot: a value that is bound to each simulation anew."""
+
+    def bind(self, simulation: Simulation) -> BoundPerson:
+        """Look up the names in one simulation."""
+        ...
+
+
+class Episode:
+    """What a controller drives its robot in, one time step after another.
+
+    A step is :meth:`sense`, :meth:`act`, :meth:`advance`, in this order: whoever decides about
+    the torque meanwhile, the same torques give the same movement, bit for bit.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    people : sequence of Person
+        Who pushes and leads the robot.
+    objects : sequence of ObjectPath
+        Where movable objects are; those without a path stay where the scene has them.
+    plant : Plant
+        Sensors and latency.
+
+    Attributes
+    ----------
+    people : list of BoundPerson
+    truth : State
+        Where the robot is, which people feel and recordings keep; sensors may say otherwise.
+    saturated, contacts : int
+        Time steps so far in which a motor was at its limit, and in which something touched.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        people: Sequence[Person] = (),
+        objects: Sequence[ObjectPath] = (),
+        plant: Plant = NOMINAL,
+    ):
+        self.simulation, self._plant = simulation, plant
+        self._limit = simulation.robot.torque_limit
+        self.people = [person.bind(simulation) for person in people]
+        self._objects = MovingObjects(objects, simulation)
+        period = plant.control_period
+        self.control_steps = 1 if period is None else max(1, round(period / simulation.timestep))
+
+    def reset(self, start: np.ndarray) -> None:
+        """Put the robot at rest at a start posture (n,) [rad], and the clock at zero."""
+        simulation = self.simulation
+        simulation.reset(start)
+        self._step = self.saturated = self.contacts = 0
+        self._sensors = Sensors(self._plant, simulation.timestep)
+        held = simulation.robot.gravity_torque(start)
+        self._delay = Delay(self._plant, simulation.timestep, held)
+
+    def sense(self) -> State:
+        """Move the objects to where they are now; return what the robot senses."""
+        simulation = self.simulation
+        self._objects.act(self._step)
+        x, seen, time = simulation.x, self._objects.now, simulation.time
+        self.truth = State(simulation.robot, x, seen, time)
+        measured = self._sensors.measure(x)
+        return self.truth if measured is x else State(simulation.robot, measured, seen, time)
+
+    @property
+    def diverged(self) -> bool:
+        """Whether the robot is faster than any robot, or the simulation lost its state."""
+        simulation = self.simulation
+        # MuJoCo starts over where the state is lost: its clock then disagrees with ours.
+        lost = simulation.time < (self._step - 1) * simulation.timestep
+        return bool(lost or not np.abs(self.truth.dq).max() < DIVERGED_SPEED)
+
+    def act(self, wanted: np.ndarray) -> np.ndarray:
+        """Let people act; torque (n,) [Nm] that the motors give when (n,) is wanted."""
+        if self.people:
+            self.simulation.clear_wrenches()
+            for person in self.people:
+                person.act(self._step, self.truth)
+        wanted = self._delay.pass_on(wanted)
+        # Not a number is not within the limit either.
+        if np.count_nonzero(np.abs(wanted) <= self._limit) == len(wanted):
+            return wanted
+        self.saturated += 1
+        return np.minimum(np.maximum(wanted, -self._limit), self._limit)
+
+    def advance(self, torque: np.ndarray) -> None:
+        """Let one time step pass with joint torques (n,) [Nm] within the motors' limits."""
+        self.simulation.step(torque)
+        self.contacts += self.simulation.data.ncon > 0
+        self._step += 1

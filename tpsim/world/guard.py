@@ -1,0 +1,51 @@
+"""What keeps joints off their limits, under every impedance."""
+
+import numpy as np
+
+from tpsim.robot.robot import Robot
+from tpsim.robot.state import State
+
+WIDTH = 0.1
+"""Angle [rad] from a joint limit within which it is guarded."""
+
+STIFFNESS, DAMPING = 400.0, 50.0
+"""Of the guard, as acceleration [1/s^2], [1/s]: torque is that times the joint's inertia."""
+
+SLEEP = 4
+"""Time steps between two looks: no joint crosses a tenth of WIDTH meanwhile."""
+
+
+class Guard:
+    """Torque that keeps joints off their limits of position and velocity.
+
+    A one-sided spring near each limit and a one-sided brake above each velocity limit, scaled by
+    the joint's inertia; zero elsewhere.
+
+    Parameters
+    ----------
+    robot : Robot
+    """
+
+    def __init__(self, robot: Robot):
+        self._fast, self._asleep = robot.velocity_limit, 0
+        self._low, self._high = robot.lower + WIDTH, robot.upper - WIDTH
+        self._least = np.concatenate((self._low, -robot.velocity_limit))
+        self._most = np.concatenate((self._high, robot.velocity_limit))
+
+    def wakes(self, state: State) -> bool:
+        """Whether the robot is near or beyond a limit; far from all, it only looks at times."""
+        if self._asleep:
+            self._asleep -= 1
+            return False
+        x = state.x
+        near = bool(np.count_nonzero(x < self._least) + np.count_nonzero(x > self._most))
+        self._asleep = 0 if near else SLEEP
+        return near
+
+    def torque(self, state: State) -> np.ndarray:
+        """Torque (n,) [Nm] at a state."""
+        q, dq = state.q, state.dq
+        angle = np.maximum(self._low - q, 0.0) - np.maximum(q - self._high, 0.0)
+        speed = np.sign(dq) * np.maximum(np.abs(dq) - self._fast, 0.0)
+        torque: np.ndarray = np.diagonal(state.mass) * (STIFFNESS * angle - DAMPING * speed)
+        return torque

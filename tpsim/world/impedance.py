@@ -1,0 +1,135 @@
+"""Impedance: stiffness, damping and a reference in joint space, and the torque that they make.
+
+The torque law is ``tau = K (q_hat - q) + D (dq_hat - dq) + bias(q, dq)``; controllers differ in
+where q_hat, dq_hat, K and D come from.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from tpsim.robot.robot import Robot
+from tpsim.robot.state import State
+from tpsim.world.guard import Guard
+
+
+@dataclass(frozen=True, eq=False)
+class Impedance:
+    """What a controller commands, in joint space; it lasts until the next command.
+
+    Parameters
+    ----------
+    stiffness : (n, n)
+        [Nm/rad]: with ``damping`` what a push meets.
+    damping : (n, n)
+        [Nms/rad]
+    reference : (n,)
+        q_hat [rad] at the moment of the command.
+    velocity : (n,), optional
+        dq_hat [rad/s], at which the reference moves on; at rest by default.
+    """
+
+    stiffness: np.ndarray
+    damping: np.ndarray
+    reference: np.ndarray
+    velocity: np.ndarray | None = None
+
+    @classmethod
+    def of_modes(
+        cls, modes: np.ndarray, stiffness: np.ndarray, reference: np.ndarray
+    ) -> "Impedance":
+        """Optimum of unit double integrators: damping is the root of twice the stiffness.
+
+        Parameters
+        ----------
+        modes : (n, n)
+            In the columns; with M = modes modes^T they are independent unit masses.
+        stiffness : (n,)
+            Of each mode [1/s^2].
+        reference : (n,)
+            Posture [rad].
+        """
+        damping = np.sqrt(2 * stiffness)
+        return cls((modes * stiffness) @ modes.T, (modes * damping) @ modes.T, reference)
+
+    def weaker(self, factor: float) -> "Impedance":
+        """The same with springs that pull less by a factor; dampers keep their strength."""
+        return replace(self, stiffness=self.stiffness / factor)
+
+
+class Controller(Protocol):
+    """What drives a robot: any object with this method."""
+
+    def command(self, state: State, time: float) -> Impedance | np.ndarray:
+        """Command at a state, called at every time step.
+
+        Parameters
+        ----------
+        state : State
+            What the robot senses of itself and of the objects.
+        time : float
+            Since the start of the trial [s].
+
+        Returns
+        -------
+        Impedance or ndarray (n,)
+            An impedance, to which gravity, Coriolis and friction are compensated and joint limits
+            guarded (return the same object for as long as it holds: that is cheap), or the joint
+            torques themselves [Nm], which are used as they are.
+        """
+        ...
+
+
+class Drive:
+    """Turns commands into joint torques, step by step, for one trial.
+
+    Parameters
+    ----------
+    robot : Robot
+    period : float
+        Time between two steps [s].
+    """
+
+    def __init__(self, robot: Robot, period: float):
+        self._robot, self._period, self._guard = robot, period, Guard(robot)
+        self._now: Impedance | None = None
+        self._wanted = self._gain = np.zeros(0)
+        self._lead: np.ndarray | None = None
+
+    def torque(self, command: Impedance | np.ndarray, state: State) -> np.ndarray:
+        """Joint torques (n,) [Nm] wanted, before the motors' limits."""
+        if isinstance(command, np.ndarray):
+            return command
+        if command is not self._now:
+            self._begin(command)
+        elif self._lead is not None:
+            self._wanted = self._wanted + self._lead
+        # For a matrix so small, @ costs twice as much.
+        torque: np.ndarray = self._wanted - self._gain.dot(state.x) + state.bias
+        return torque + self._guard.torque(state) if self._guard.wakes(state) else torque
+
+    def _begin(self, now: Impedance) -> None:
+        self._now = now
+        # The joints' own damping is compensated.
+        damping = now.damping - np.diag(self._robot.damping)
+        self._gain = np.concatenate((now.stiffness, damping), axis=1)
+        self._wanted, self._lead = now.stiffness @ now.reference, None
+        if now.velocity is not None:
+            self._wanted += now.damping @ now.velocity
+            self._lead = now.stiffness @ (self._period * now.velocity)
+
+
+def hand_stiffness(J: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+    """Physical stiffness (..., 6, 6) of a hand, from joint stiffness (..., n, n) [Nm/rad].
+
+    ``(J K^-1 J^T)^-1`` with the hand's Jacobian J (..., 6, n): what a slow push meets, N/m and
+    Nm/rad, when the rest of the arm is free to give way. Without stiffness it is zero, and so it
+    is in directions in which the arm cannot move.
+    """
+    J, stiffness = np.asarray(J), np.asarray(stiffness)
+    felt = np.zeros((*J.shape[:-2], 6, 6))
+    stiff = stiffness.any(axis=(-1, -2))
+    compliance = J[stiff] @ np.linalg.solve(stiffness[stiff], J[stiff].mT)
+    felt[stiff] = np.linalg.pinv(compliance, rcond=1e-10)
+    return felt

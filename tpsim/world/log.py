@@ -1,0 +1,118 @@
+"""What a roll-out records: samples kept as they come, made into signals all at once."""
+
+from collections import defaultdict
+from collections.abc import Mapping
+
+import numpy as np
+
+from tpsim import rotation
+from tpsim.robot.state import State
+from tpsim.world.episode import Episode
+from tpsim.world.impedance import Impedance, hand_stiffness
+from tpsim.world.trial import Channels
+
+
+class Log:
+    """Samples of one roll-out.
+
+    Parameters
+    ----------
+    episode : Episode
+    sites : mapping of str to str
+        Sites to record, by the name that the recording gives them; stiffness is recorded of
+        those that are hands of the robot.
+    """
+
+    def __init__(self, episode: Episode, sites: Mapping[str, str]):
+        self._robot, self._episode = episode.simulation.robot, episode
+        self._sites = dict(sites)
+        self._commands: list[Impedance | None] = []
+        self._states: list[State] = []
+        self._samples: dict[object, list[np.ndarray | int]] = defaultdict(list)
+
+    def add(self, torque: np.ndarray, command: Impedance | np.ndarray) -> None:
+        """Keep one sample."""
+        episode, keep = self._episode, self._samples
+        keep["saturated_steps"].append(episode.saturated)
+        keep["contact_steps"].append(episode.contacts)
+        keep["torque"].append(torque)
+        for person in episode.people:
+            keep[person, "wrench"].append(person.wrench)
+            keep[person, "point"].append(person.point)
+        self._states.append(episode.truth)
+        self._commands.append(command if isinstance(command, Impedance) else None)
+
+    @property
+    def channels(self) -> Channels:
+        """Names behind the signals."""
+        people = dict.fromkeys(["push", *(person.name for person in self._episode.people)])
+        hands = [name for name, site in self._sites.items() if site in self._hands]
+        return Channels(
+            tuple(self._sites),
+            tuple(hands) if self._commanded else (),
+            tuple(self._episode.simulation.objects),
+            tuple(people),
+        )
+
+    @property
+    def _hands(self) -> set[str]:
+        return set(self._robot.hands.values())
+
+    @property
+    def _commanded(self) -> bool:
+        """Whether the robot was driven by an impedance, not by torques alone."""
+        return bool(self._commands) and all(command is not None for command in self._commands)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Signals (T, ...) by name."""
+        states, robot = self._states, self._robot
+        x = np.array([state.x for state in states])
+        signals = {"time": np.array([state.time for state in states])}
+        signals["q"], signals["dq"] = np.split(x, 2, axis=1)
+        for name in ("torque", "saturated_steps", "contact_steps"):
+            signals[name] = np.array(self._samples[name])
+        bias = np.array([state.bias for state in states])
+        signals["torque_feedforward"] = bias + robot.damping * signals["dq"]
+        if self._commanded:
+            signals |= self._impedance()
+        signals |= self._wrenches()
+        for name, site in self._sites.items():
+            poses = [state.pose(site) for state in states]
+            turned = rotation.to_quaternion(np.array([pose.rotation for pose in poses]))
+            signals[f"{name}_position"] = np.array([pose.position for pose in poses])
+            signals[f"{name}_quaternion"] = rotation.continuous(turned)
+        for name, row in self._episode.simulation.objects.items():
+            signals[f"{name}_position"] = np.array([s.objects.positions[row] for s in states])
+            signals[f"{name}_quaternion"] = np.array([s.objects.quaternions[row] for s in states])
+        return signals
+
+    def _impedance(self) -> dict[str, np.ndarray]:
+        robot, commands = self._robot, [c for c in self._commands if c is not None]
+        stiffness, damping, reference = (
+            np.array([getattr(command, part) for command in commands])
+            for part in ("stiffness", "damping", "reference")
+        )
+        signals = {
+            "stiffness": np.einsum("tii->ti", stiffness),
+            "damping": np.einsum("tii->ti", damping),
+            "reference": reference,
+            # What asks for more than the joints can do is out of reach.
+            "beyond_limits": (reference < robot.lower) | (reference > robot.upper),
+        }
+        for name, site in self._sites.items():
+            if site in self._hands:
+                J = np.array([state.jacobian(site) for state in self._states])
+                signals[f"{name}_stiffness"] = hand_stiffness(J, stiffness)[:, :3, :3]
+        return signals
+
+    def _wrenches(self) -> dict[str, np.ndarray]:
+        """Wrenches by the names of people, those of one name added up, and where they act."""
+        samples = len(self._states)
+        signals = {"push_wrench": np.zeros((samples, 6)), "push_point": np.zeros((samples, 3))}
+        for person in self._episode.people:
+            wrench, point = f"{person.name}_wrench", f"{person.name}_point"
+            acts, at = (np.array(self._samples[person, part]) for part in ("wrench", "point"))
+            busy = acts.any(axis=1, keepdims=True)
+            signals[point] = np.where(busy, at, signals.get(point, at))
+            signals[wrench] = signals.get(wrench, np.zeros((samples, 6))) + acts
+        return signals

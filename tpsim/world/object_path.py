@@ -1,0 +1,176 @@
+"""Objects that move by themselves: mocap bodies along scripted paths."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tpsim import rotation
+from tpsim.errors import ArgumentError
+from tpsim.pose import Pose
+from tpsim.robot.objects import Objects
+from tpsim.world.simulation import Simulation
+
+FAST = 2.0
+"""Speed [m/s] above which an object has jumped: its velocity then says nothing."""
+
+UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+"""Quaternion of an object that is not turned."""
+
+
+@dataclass(frozen=True)
+class ObjectPath:
+    """Where one object of the scene is over time; plain values, so that a situation can keep it.
+
+    Parameters
+    ----------
+    name : str
+        A mocap body of the scene.
+    positions : (V, 3) nested tuple
+        Where it is at the times [m]. One position is an object at rest.
+    times : (V,) tuple
+        Not decreasing [s]. Between two times the object moves straight and turns evenly; two
+        equal times are a jump. Before the first and after the last it rests.
+    quaternions : (V, 4) nested tuple, optional
+        How it is turned (w, x, y, z); not at all by default.
+
+    Raises
+    ------
+    ArgumentError
+        Shapes that do not fit, numbers that are not finite, or times that decrease.
+    """
+
+    name: str
+    positions: tuple[tuple[float, float, float], ...]
+    times: tuple[float, ...] = (0.0,)
+    quaternions: tuple[tuple[float, float, float, float], ...] | None = None
+
+    def __post_init__(self):
+        positions, times = np.asarray(self.positions, float), np.asarray(self.times, float)
+        turned = (UPRIGHT,) * times.size if self.quaternions is None else self.quaternions
+        turned = np.asarray(turned, float)
+        count = times.size
+        shapes = times.shape, positions.shape, turned.shape
+        if not count or shapes != ((count,), (count, 3), (count, 4)):
+            raise ArgumentError(
+                f"object '{self.name}' has times, positions and quaternions of shapes {shapes}; "
+                "give (V,), (V, 3) and (V, 4)"
+            )
+        finite = all(np.isfinite(values).all() for values in (times, positions, turned))
+        if not finite or (np.diff(times) < 0).any() or not np.linalg.norm(turned, axis=1).all():
+            raise ArgumentError(
+                f"object '{self.name}' has a path that is not finite, a quaternion of zero, or "
+                f"times {times.tolist()} that decrease"
+            )
+        object.__setattr__(self, "times", tuple(times.tolist()))
+        object.__setattr__(self, "positions", tuple(map(tuple, positions.tolist())))
+        object.__setattr__(self, "quaternions", tuple(map(tuple, turned.tolist())))
+
+    @classmethod
+    def at(cls, name: str, position, quaternion=UPRIGHT) -> "ObjectPath":
+        """An object at rest."""
+        return cls(name, (tuple(position),), (0.0,), (tuple(quaternion),))
+
+    @property
+    def first(self) -> Pose:
+        """Where the object is at the start."""
+        position, turned = self.poses([0.0])
+        return Pose.of_quaternion(position[0], turned[0])
+
+    def poses(self, times) -> tuple[np.ndarray, np.ndarray]:
+        """Positions (T, 3) [m] and quaternions (T, 4) at times (T,) [s]."""
+        times = np.asarray(times, float)
+        # The last via at or before each time: of two vias at one time, the second counts.
+        before = np.searchsorted(self.times, times, side="right") - 1
+        before = np.clip(before, 0, len(self.times) - 1)
+        after = np.minimum(before + 1, len(self.times) - 1)
+        via, p = np.array(self.times), np.array(self.positions)
+        span = via[after] - via[before]
+        share = np.clip((times - via[before]) / np.where(span > 0, span, 1.0), 0.0, 1.0)[:, None]
+        turned = np.array(self.quaternions)
+        turned = rotation.continuous(turned / np.linalg.norm(turned, axis=1, keepdims=True))
+        return p[before] + share * (p[after] - p[before]), _slerp(
+            turned[before], turned[after], share
+        )
+
+
+class MovingObjects:
+    """The objects of a simulation on their paths; those without one stay where they are.
+
+    Parameters
+    ----------
+    paths : sequence of ObjectPath
+    simulation : Simulation
+
+    Attributes
+    ----------
+    now : Objects
+        Poses and velocities at the last :meth:`act`.
+
+    Raises
+    ------
+    ArgumentError
+        If the scene has no movable object of a path's name.
+    """
+
+    def __init__(self, paths: Sequence[ObjectPath], simulation: Simulation):
+        names = list(simulation.objects)
+        if unknown := [path.name for path in paths if path.name not in names]:
+            raise ArgumentError(
+                f"no movable object '{unknown[0]}' in the scene; it has {sorted(names)}"
+            )
+        h, model, data = simulation.timestep, simulation.model, simulation.data
+        last = max((path.times[-1] for path in paths), default=0.0)
+        # At least one step, so that all objects are somewhere.
+        self._steps = round(max(last, 0.0) / h) + 2 if paths else 1
+        movable = np.flatnonzero(model.body_mocapid >= 0)
+        movable = movable[np.argsort(model.body_mocapid[movable])]
+        self._positions = np.tile(model.body_pos[movable], (self._steps, 1, 1))
+        self._quaternions = np.tile(model.body_quat[movable], (self._steps, 1, 1))
+        for path in paths:
+            poses = path.poses(h * np.arange(self._steps))
+            row = simulation.objects[path.name]
+            self._positions[:, row], self._quaternions[:, row] = poses
+        self._twists = _twists(self._positions, self._quaternions, h)
+        self._mocap = data.mocap_pos, data.mocap_quat
+        self._rows = simulation.objects
+        self.now = self._at(0)
+
+    def _at(self, step: int) -> Objects:
+        twists = None if self._twists is None else self._twists[step]
+        return Objects(self._rows, self._positions[step], self._quaternions[step], twists)
+
+    def act(self, step: int) -> None:
+        """Move the objects to their poses at this time step."""
+        if step >= self._steps or (self._twists is None and step > 1):
+            return
+        positions, quaternions = self._mocap
+        positions[:], quaternions[:] = self._positions[step], self._quaternions[step]
+        self.now = self._at(step)
+
+
+def _twists(positions: np.ndarray, quaternions: np.ndarray, timestep: float) -> np.ndarray | None:
+    """Velocities (T, k, 6) [m/s], [rad/s] since the step before; None where nothing moves."""
+    moved = np.diff(positions, axis=0, prepend=positions[:1]) / timestep
+    turned = np.diff(quaternions, axis=0, prepend=quaternions[:1])
+    if not (moved.any() or turned.any()):
+        return None
+    # omega = 2 dq q^*, of which the vector part counts.
+    w, v = quaternions[..., :1], quaternions[..., 1:]
+    dw, dv = turned[..., :1], turned[..., 1:]
+    omega = 2 * (w * dv - dw * v - np.cross(dv, v)) / timestep
+    twists = np.concatenate((moved, omega), axis=-1)
+    # It rests at the end of its path, and a jump is no motion.
+    twists[-1] = 0.0
+    twists[np.linalg.norm(moved, axis=-1) > FAST] = 0.0
+    return twists
+
+
+def _slerp(one, other, share):
+    """Quaternions (T, 4) that turn evenly from one to another of the same half sphere."""
+    angle = np.arccos(np.clip((one * other).sum(-1, keepdims=True), -1.0, 1.0))
+    # Of a turn so small that its sine vanishes, the chord is the arc.
+    sine = np.where(angle > 1e-6, np.sin(angle), 1.0)
+    left = np.where(angle > 1e-6, np.sin((1 - share) * angle), 1 - share) / sine
+    right = np.where(angle > 1e-6, np.sin(share * angle), share) / sine
+    return left * one + right * other

@@ -1,0 +1,1 @@
+"""People: who pushes, leads and teaches the robot, and how their hands move."""

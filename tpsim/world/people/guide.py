@@ -1,0 +1,149 @@
+"""A person's grip that leads the robot: a capped spring and damper on a site."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from tpsim.errors import ArgumentError
+from tpsim.pose import Pose
+from tpsim.robot.state import State
+from tpsim.world.simulation import Simulation
+
+
+@dataclass(frozen=True)
+class HandPath:
+    """Where a person wants the held site to be, sampled on the simulation's clock.
+
+    Parameters
+    ----------
+    position, rotation : (T, 3) m, (T, 3, 3)
+        Pose wanted, tremor and drift included.
+    velocity, angular_velocity : (T, 3) m/s, (T, 3) rad/s
+        Velocity of the intended movement alone: fed into the damper, tremor would only shake.
+    """
+
+    position: np.ndarray
+    rotation: np.ndarray
+    velocity: np.ndarray
+    angular_velocity: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+
+@dataclass(frozen=True)
+class Grip:
+    """Spring and damper between a person's hand and a site, with limited strength.
+
+    Parameters
+    ----------
+    stiffness, damping : float
+        N/m and Ns/m.
+    angular_stiffness, angular_damping : float
+        Nm/rad and Nms/rad; zero for a hand that leads without turning.
+    max_force, max_torque : float
+        Strength [N], [Nm]: the wrench is scaled down to it.
+    """
+
+    stiffness: float = 2000.0
+    damping: float = 120.0
+    angular_stiffness: float = 60.0
+    angular_damping: float = 2.5
+    max_force: float = 60.0
+    max_torque: float = 8.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not np.isfinite(value) or value < 0:
+                raise ArgumentError(f"grip {name} is {value}; give a number of at least 0")
+
+    def wrench(
+        self, pose: Pose, twist: np.ndarray, wanted_pose: Pose, wanted_twist: np.ndarray
+    ) -> np.ndarray:
+        """Force and torque (6,) on the site.
+
+        Parameters
+        ----------
+        pose, wanted_pose : Pose
+            Of the site and of the hand.
+        twist, wanted_twist : (6,)
+            Linear over angular velocity, world-aligned.
+        """
+        (R, p), (R_wanted, p_wanted) = pose, wanted_pose
+        slip = wanted_twist - twist
+        wrench = np.empty(6)
+        wrench[:3] = self.stiffness * (p_wanted - p) + self.damping * slip[:3]
+        turn = pin.log3(R_wanted @ R.T)
+        wrench[3:] = self.angular_stiffness * turn + self.angular_damping * slip[3:]
+        for part, limit in ((wrench[:3], self.max_force), (wrench[3:], self.max_torque)):
+            size = np.sqrt(part @ part)
+            if size > limit:
+                part *= limit / size
+        return wrench
+
+
+@dataclass(frozen=True)
+class Guide:
+    """A hand that leads one site of the robot along a path.
+
+    Parameters
+    ----------
+    name : str
+        What the recording calls it: ``<name>_wrench``, ``<name>_point``.
+    site : str
+        Where the robot is held, and what follows the path.
+    grip : Grip
+    path : HandPath
+        Sampled at the simulation's time step, from ``start`` on.
+    relative_to : str, optional
+        Site that carries the path's frame: a person who watches one object while moving another.
+    start : float
+        Time [s] when the hand takes hold; it lets go at the end of the path.
+    """
+
+    name: str
+    site: str
+    grip: Grip
+    path: HandPath
+    relative_to: str | None = None
+    start: float = 0.0
+
+    def bind(self, simulation: Simulation) -> "BoundGuide":
+        """Look up the names in one simulation."""
+        return BoundGuide(self, simulation)
+
+
+class BoundGuide:
+    """A guide in one simulation: ``act`` applies it; ``wrench``, ``point`` are its last."""
+
+    def __init__(self, guide: Guide, simulation: Simulation):
+        self.name = guide.name
+        self._guide, self._simulation = guide, simulation
+        self._body = simulation.attachment(guide.site)[0]
+        self._first = round(guide.start / simulation.timestep)
+        self.wrench, self.point = np.zeros(6), np.zeros(3)
+
+    def act(self, step: int, state: State) -> None:
+        """Apply the wrench of this time step."""
+        k, site = step - self._first, self._guide.site
+        pose = state.pose(site)
+        self.point, self.wrench = pose.position, np.zeros(6)
+        if not 0 <= k < len(self._guide.path):
+            return
+        wanted = self._wanted(k, state)
+        self.wrench = self._guide.grip.wrench(pose, state.twist(site), *wanted)
+        self._simulation.apply_wrench(self._body, self.wrench, pose.position)
+
+    def _wanted(self, k: int, state: State) -> tuple[Pose, np.ndarray]:
+        path, other = self._guide.path, self._guide.relative_to
+        R, p = path.rotation[k], path.position[k]
+        v, w = path.velocity[k], path.angular_velocity[k]
+        if other is not None:
+            R_other, p_other = state.pose(other)
+            moved = state.twist(other)
+            arm = R_other @ p
+            v = moved[:3] + np.array(pin.skew(moved[3:])) @ arm + R_other @ v
+            w = moved[3:] + R_other @ w
+            R, p = R_other @ R, p_other + arm
+        return Pose(R, p), np.concatenate([v, w])

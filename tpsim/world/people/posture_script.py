@@ -1,0 +1,66 @@
+"""Scripted paths of hands that lead an arm through postures: a person who cares how it is bent."""
+
+import numpy as np
+
+from tpsim import rotation
+from tpsim.errors import ArgumentError
+from tpsim.robot.robot import Robot
+from tpsim.world.people.guide import HandPath
+from tpsim.world.people.script import Variation, wandering
+
+FADE = 0.5
+"""Time [s] over which a hand begins to wander."""
+
+
+def through(times, postures, timestep: float) -> np.ndarray:
+    """Postures (T, n) on the clock: minimum jerk from one via posture to the next, at rest in each.
+
+    Parameters
+    ----------
+    times : (V,)
+        When each via is reached [s]; increasing from 0. Equal neighbours in ``postures`` are a
+        rest.
+    postures : (V, n)
+        rad.
+    timestep : float
+        Of the clock [s].
+    """
+    times, postures = np.asarray(times, float), np.asarray(postures, float)
+    if times.shape != postures.shape[:1] or len(times) < 2 or not (np.diff(times) > 0).all():
+        raise ArgumentError(
+            f"times {times.tolist()} do not fit postures of shape {postures.shape}; give at least "
+            "two, increasing"
+        )
+    clock = timestep * (1 + np.arange(round(times[-1] / timestep)))
+    segment = np.clip(np.searchsorted(times, clock) - 1, 0, len(times) - 2)
+    s = (clock - times[segment]) / np.diff(times)[segment]
+    way = s**3 * (10 - 15 * s + 6 * s**2)
+    return postures[segment] + way[:, None] * (postures[segment + 1] - postures[segment])
+
+
+def hand_path(
+    robot: Robot,
+    site: str,
+    postures: np.ndarray,
+    timestep: float,
+    rng: np.random.Generator,
+    variation: Variation,
+) -> HandPath:
+    """Path of a hand on a site that leads the arm along postures (T, n), wandering as hands do."""
+    R, p, twist = [], [], []
+    for q, dq in zip(postures, np.gradient(postures, timestep, axis=0), strict=True):
+        state = robot.at(q, dq)
+        pose = state.pose(site)
+        R.append(pose.rotation)
+        p.append(pose.position)
+        twist.append(state.twist(site))
+    velocity = np.array(twist)
+    steps = len(p)
+    fade = np.minimum(timestep / FADE * np.arange(steps), 1.0)[:, None]
+    moved, turned = wandering(steps, timestep, rng, variation)
+    return HandPath(
+        np.array(p) + fade * moved,
+        rotation.exp(fade * turned) @ np.array(R),
+        velocity[:, :3],
+        velocity[:, 3:],
+    )

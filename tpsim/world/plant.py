@@ -1,0 +1,182 @@
+"""The simulated plant, where it differs from the controller's model."""
+
+import copy
+from collections import deque
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from tpsim.errors import ArgumentError
+from tpsim.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class Plant:
+    """How the simulated robot differs from its controller's model; nominal by default.
+
+    Parameters
+    ----------
+    mass : float
+        Masses and inertias of all links are scaled by factors within 1 -+ mass, each its own.
+    payload : float
+        Mass [kg] that every hand holds without the model's knowledge, as a point.
+    friction : float
+        Coulomb friction of every joint [Nm], beside that of the file.
+    latency : float
+        Time [s] between sensing and the torque that follows from it.
+    encoder_bits : int, optional
+        Joint angles are measured in steps of 2 pi / 2^bits, and velocities are then filtered
+        differences; exact by default.
+    velocity_cutoff : float
+        Of that filter [Hz].
+    control_period : float, optional
+        Time [s] between two commands; every time step by default.
+    seed : int
+        Of the factors of the masses.
+    """
+
+    mass: float = 0.0
+    payload: float = 0.0
+    friction: float = 0.0
+    latency: float = 0.0
+    encoder_bits: int | None = None
+    velocity_cutoff: float = 40.0
+    control_period: float | None = None
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name in ("payload", "friction", "latency"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value >= 0):
+                raise ArgumentError(f"plant {name} is {value}; give a number of at least 0")
+        if not 0 <= self.mass < 1:
+            raise ArgumentError(f"plant mass is {self.mass}; give a share from 0 to below 1")
+        if not self.velocity_cutoff > 0:
+            raise ArgumentError(f"plant velocity_cutoff is {self.velocity_cutoff} Hz; give more")
+        if self.control_period is not None and not self.control_period > 0:
+            raise ArgumentError(f"plant control_period is {self.control_period} s; give more")
+        if self.encoder_bits is not None and not 4 <= self.encoder_bits <= 32:
+            raise ArgumentError(f"plant encoder_bits is {self.encoder_bits}; give 4 to 32")
+
+    @property
+    def is_nominal(self) -> bool:
+        """Whether bodies and joints are those of the model."""
+        return not (self.mass or self.payload or self.friction)
+
+    def model(self, nominal: mujoco.MjModel, robot: Robot) -> mujoco.MjModel:
+        """Compiled scene with the plant's own masses and friction; the nominal one is not changed.
+
+        Raises
+        ------
+        ArgumentError
+            If the motors cannot hold the arms at home.
+        """
+        if self.is_nominal:
+            return nominal
+        model = copy.copy(nominal)
+        rng = np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(0,)))
+        factors = 1 + self.mass * rng.uniform(-1, 1, model.nbody)
+        model.body_mass[:] *= factors
+        model.body_inertia[:] *= factors[:, None]
+        for site in robot.hands.values():
+            _add_mass(model, model.site(site).id, self.payload)
+        model.dof_frictionloss[robot.dof] += self.friction
+        data = mujoco.MjData(model)
+        mujoco.mj_setConst(model, data)
+        data.qpos[robot.qpos] = robot.home
+        mujoco.mj_forward(model, data)
+        load = np.abs(data.qfrc_bias[robot.dof]) - robot.torque_limit
+        if load.max() > 0:
+            joint = robot.joints[int(load.argmax())]
+            raise ArgumentError(
+                f"this plant cannot hold itself up at home: joint '{joint}' lacks "
+                f"{load.max():.1f} Nm; give it less mass or payload"
+            )
+        return model
+
+
+NOMINAL = Plant()
+"""The plant that the controller's model describes."""
+
+
+def _add_mass(model: mujoco.MjModel, site: int, mass: float) -> None:
+    """Add a point mass to the body of a site, at the site."""
+    if not mass:
+        return
+    body = model.site_bodyid[site]
+    m, c = model.body_mass[body], model.body_ipos[body].copy()
+    R = np.empty(9)
+    mujoco.mju_quat2Mat(R, model.body_iquat[body])
+    R = R.reshape(3, 3)
+    inertia = R @ np.diag(model.body_inertia[body]) @ R.T
+    point = model.site_pos[site]
+    centre = (m * c + mass * point) / (m + mass)
+    inertia = inertia + _steiner(m, c - centre) + _steiner(mass, point - centre)
+    values, V = np.linalg.eigh(inertia)
+    V[:, 0] *= np.sign(np.linalg.det(V))
+    model.body_mass[body], model.body_ipos[body] = m + mass, centre
+    model.body_inertia[body] = values
+    quaternion = np.empty(4)
+    mujoco.mju_mat2Quat(quaternion, V.ravel())
+    model.body_iquat[body] = quaternion
+
+
+def _steiner(mass: float, d: np.ndarray) -> np.ndarray:
+    return mass * (d @ d * np.eye(3) - np.outer(d, d))
+
+
+class Sensors:
+    """What encoders say of joints: exact, or quantised angles with filtered differences.
+
+    Parameters
+    ----------
+    plant : Plant
+    timestep : float
+        Between two measurements [s].
+    """
+
+    def __init__(self, plant: Plant, timestep: float):
+        bits = plant.encoder_bits
+        self._step = None if bits is None else 2 * np.pi / 2**bits
+        self._timestep = timestep
+        self._keep = float(np.exp(-2 * np.pi * plant.velocity_cutoff * timestep))
+        self._last: np.ndarray | None = None
+
+    def measure(self, x: np.ndarray) -> np.ndarray:
+        """Angles over velocities (2 n,) as they are measured."""
+        if self._step is None:
+            return x
+        n = len(x) // 2
+        q = self._step * np.round(x[:n] / self._step)
+        if self._last is None:
+            dq = np.zeros(n)
+        else:
+            rate = (q - self._last[:n]) / self._timestep
+            dq = self._keep * self._last[n:] + (1 - self._keep) * rate
+        self._last = np.concatenate((q, dq))
+        return self._last
+
+
+class Delay:
+    """Torques that reach the motors some steps later.
+
+    Parameters
+    ----------
+    plant : Plant
+    timestep : float
+        [s]
+    first : (n,)
+        Torque at the motors until the first command arrives [Nm].
+    """
+
+    def __init__(self, plant: Plant, timestep: float, first: np.ndarray):
+        steps = round(plant.latency / timestep)
+        self._waiting = deque([first] * steps)
+
+    def pass_on(self, torque: np.ndarray) -> np.ndarray:
+        """Take the torque of now, give the one that arrives now."""
+        if not self._waiting:
+            return torque
+        self._waiting.append(torque)
+        return self._waiting.popleft()

@@ -1,0 +1,130 @@
+"""The plant: MuJoCo state, motors, and wrenches from outside."""
+
+import mujoco
+import numpy as np
+
+from tpsim.errors import SimulationError
+from tpsim.robot.robot import Robot
+
+
+class Simulation:
+    """One scene that is stepped.
+
+    Parameters
+    ----------
+    model : mujoco.MjModel
+        The plant; its joints are those of the robot's model, its masses may differ.
+    robot : Robot
+        The controller's model.
+
+    Attributes
+    ----------
+    model, data : mujoco.MjModel, mujoco.MjData
+    robot : Robot
+    objects : dict of str to int
+        Row of each object (mocap body) in ``data.mocap_pos``.
+    timestep : float
+        [s]
+    """
+
+    def __init__(self, model: mujoco.MjModel, robot: Robot):
+        self.model, self.robot = model, robot
+        self.data = mujoco.MjData(model)
+        self.objects = {
+            model.body(body).name: int(row)
+            for body, row in enumerate(model.body_mocapid)
+            if row >= 0
+        }
+        self._qpos, self._dof = _as_slice(robot.qpos), _as_slice(robot.dof)
+        self._actuator = _as_slice(robot.actuator)
+        # Views of MuJoCo's own memory: looking attributes up costs more than reading them.
+        self._states = self.data.qpos, self.data.qvel, self.data.ctrl
+        self.timestep = float(model.opt.timestep)
+
+    def reset(self, q: np.ndarray) -> None:
+        """Put the robot at rest at q (n,) and the clock at zero.
+
+        Raises
+        ------
+        SimulationError
+            A posture of another shape, not finite, or outside the joint limits.
+        """
+        q = np.asarray(q, float)
+        robot = self.robot
+        if q.shape != (robot.n,) or not np.isfinite(q).all():
+            raise SimulationError(
+                f"a start posture of shape {q.shape} was given; give {robot.n} finite joint angles"
+            )
+        outside = (q < robot.lower) | (q > robot.upper)
+        if outside.any():
+            names = [robot.joints[i] for i in np.flatnonzero(outside)]
+            raise SimulationError(f"the start posture is outside the limits of {names}")
+        mujoco.mj_resetData(self.model, self.data)
+        for joint, angle in robot.description.fixed.items():
+            self.data.qpos[self.model.joint(joint).qposadr[0]] = angle
+        for actuator, control in robot.description.controls.items():
+            self.data.ctrl[self.model.actuator(actuator).id] = control
+        self.data.qpos[self._qpos] = q
+        mujoco.mj_forward(self.model, self.data)
+
+    @property
+    def q(self) -> np.ndarray:
+        """Joint angles (n,) [rad]."""
+        angles: np.ndarray = self._states[0][self._qpos]
+        return angles
+
+    @property
+    def x(self) -> np.ndarray:
+        """Joint angles over velocities (2 n,) [rad], [rad/s], a copy."""
+        qpos, qvel, _ = self._states
+        return np.concatenate((qpos[self._qpos], qvel[self._dof]))
+
+    @property
+    def time(self) -> float:
+        """Time [s]."""
+        return float(self.data.time)
+
+    def attachment(self, name: str) -> tuple[int, np.ndarray, np.ndarray]:
+        """Body index of a body or site called ``name``, and its pose (R, p) in that body."""
+        index = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name)
+        if index >= 0:
+            return index, np.eye(3), np.zeros(3)
+        site = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_SITE, name)
+        if site < 0:
+            bodies = [self.model.body(b).name for b in range(1, self.model.nbody)]
+            sites = [self.model.site(s).name for s in range(self.model.nsite)]
+            raise SimulationError(
+                f"no body or site '{name}' in the scene; it has bodies {bodies} and sites {sites}"
+            )
+        R = np.empty(9)
+        mujoco.mju_quat2Mat(R, self.model.site_quat[site])
+        position = self.model.site_pos[site].copy()
+        return int(self.model.site_bodyid[site]), R.reshape(3, 3), position
+
+    def clear_wrenches(self) -> None:
+        """Take away all wrenches from outside."""
+        self.data.xfrc_applied[:] = 0
+
+    def apply_wrench(self, body: int, wrench: np.ndarray, point: np.ndarray) -> None:
+        """Add force and torque (6,) on a body, acting at a point (3,) of the world [m]."""
+        # MuJoCo applies at the centre of mass.
+        ax, ay, az = point - self.data.xipos[body]
+        fx, fy, fz = wrench[:3]
+        applied = self.data.xfrc_applied[body]
+        applied += wrench
+        applied[3] += ay * fz - az * fy
+        applied[4] += az * fx - ax * fz
+        applied[5] += ax * fy - ay * fx
+
+    def step(self, torque: np.ndarray) -> None:
+        """Advance one time step with joint torques (n,) [Nm]."""
+        self._states[2][self._actuator] = torque
+        mujoco.mj_step(self.model, self.data)
+
+
+def _as_slice(index: np.ndarray) -> slice | np.ndarray:
+    """Indices (k,) as a slice, where they follow each other: it selects a view, and faster."""
+    first = int(index[0])
+    if np.array_equal(index, np.arange(first, first + len(index))):
+        return slice(first, first + len(index))
+    return index

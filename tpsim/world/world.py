@@ -1,0 +1,93 @@
+"""A world: a scene with a robot in it, compiled once, from which simulations are made."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import mujoco
+
+from tpsim.errors import SimulationError
+from tpsim.robot.robot import Description, Robot
+from tpsim.world.plant import NOMINAL, Plant
+from tpsim.world.simulation import Simulation
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """Robot, objects and scene: everything that is there before a trial begins.
+
+    Made by :meth:`compose`, or by :func:`tpsim.scene.compose.world`. What is simulated is compiled
+    from the text and the files in here and from nothing else, so that a run folder repeats
+    anywhere.
+
+    Parameters
+    ----------
+    xml : str
+        MJCF text of the scene.
+    description : Description
+        Of the robot in it.
+    assets : mapping of str to bytes
+        Meshes and other files, by the names that the text uses.
+    """
+
+    xml: str
+    description: Description
+    assets: Mapping[str, bytes] = field(default_factory=dict)
+
+    @classmethod
+    def compose(cls, robot: Robot, spec: mujoco.MjSpec | None = None) -> "World":
+        """World of a robot and a scene that contains it, by default of the robot alone.
+
+        Parameters
+        ----------
+        robot : Robot
+        spec : MjSpec, optional
+            A copy of ``robot.source.spec`` to which things were added.
+
+        Raises
+        ------
+        SimulationError
+            If the scene does not compile.
+        """
+        spec = robot.source.spec.copy() if spec is None else spec
+        try:
+            spec.compile()
+        except ValueError as error:
+            raise SimulationError(f"the scene does not compile: {error}") from None
+        return cls(spec.to_xml(), robot.description, dict(robot.source.assets))
+
+    def __getstate__(self) -> dict[str, object]:
+        """Text and files travel to other processes; each compiles for itself."""
+        kept = ("xml", "description", "assets")
+        return {name: self.__dict__[name] for name in kept}
+
+    @cached_property
+    def model(self) -> mujoco.MjModel:
+        """The compiled scene; nobody may change it."""
+        try:
+            return mujoco.MjModel.from_xml_string(self.xml, dict(self.assets))
+        except ValueError as error:
+            raise SimulationError(f"the scene does not compile: {error}") from None
+
+    @cached_property
+    def robot(self) -> Robot:
+        """The controller's model of the robot, with what it holds."""
+        return Robot(self.model, self.description)
+
+    @property
+    def timestep(self) -> float:
+        """Time step of the physics [s]."""
+        return float(self.model.opt.timestep)
+
+    @property
+    def objects(self) -> tuple[str, ...]:
+        """Names of the objects that can be moved (mocap bodies)."""
+        return tuple(
+            self.model.body(body).name
+            for body in range(self.model.nbody)
+            if self.model.body_mocapid[body] >= 0
+        )
+
+    def simulation(self, plant: Plant = NOMINAL) -> Simulation:
+        """A new simulation of this world on a plant."""
+        return Simulation(plant.model(self.model, self.robot), self.robot)

@@ -1,50 +1,45 @@
 import json
 import subprocess
 import sys
+from dataclasses import asdict
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import tpsim.bench
-from tpsim import cli, experiment, paths, tasks
+from tpsim import paths
+from tpsim.cli import main as cli
 from tpsim.errors import ArgumentError, RecordingError, SimulationError
 from tpsim.experiment import gallery
-from tpsim.experiment.recording import open_run
-from tpsim.sim.trial import Trial
+from tpsim.study import campaign, teaching, trying
+from tpsim.study.study import Plan
 
-MODEL = SimpleNamespace(njnt=0, nsite=0)
-
-
-def record(task, *, seed, folder, **_):
-    """A campaign that records two trials drawn from the seed."""
-    command, where = f"tpsim teach {task} --seed {seed}", folder / task
-    run = open_run(where, command=command, configuration={}, seed=seed, scene_xml="", model=MODEL)
-    rng = np.random.default_rng(seed)
-    for index in range(2):
-        run.save(index, Trial({"time": np.arange(9.0), "q": rng.normal(size=(9, 2))}))
-    return {"task": task, "paths": {"demonstrations": [str(where)]}}
+TOY = f"{Path(__file__).parent / 'study' / 'toy.py'}:study"
 
 
 @pytest.fixture
 def calls(monkeypatch):
-    """Stand in for the campaign: remember how it was called, answer with what it was given."""
+    """Stand in for the verbs: remember how they were called, answer with what they were given."""
     seen = []
 
     def called(name):
-        def function(task, **options):
+        def function(study, *given, **options):
             print("chatter that must not reach stdout")
-            seen.append((name, task, options))
-            return {"task": task, "figures": {"tilt_max_deg": np.float64(1.5)}, "bad": np.nan}
+            seen.append((name, study, given, options))
+            figures = {"tilt_max_deg": np.float64(1.5)}
+            return {"task": study.task.name, "figures": figures, "bad": np.nan}
 
         return function
 
-    campaign = SimpleNamespace(
-        **{name: called(name) for name in ("run", "teach", "learn", "reproduce", "push")}
-    )
-    monkeypatch.setattr(experiment, "campaign", campaign, raising=False)
-    monkeypatch.setitem(sys.modules, "tpsim.experiment.campaign", campaign)
-    monkeypatch.setattr(tasks, "names", lambda: ("cup", "sugar", "cup-and-sugar"), raising=False)
+    for module, names in (
+        (campaign, ["run"]),
+        (teaching, ["teach", "learn"]),
+        (trying, ["reproduce", "push"]),
+    ):
+        for name in names:
+            monkeypatch.setattr(module, name, called(name))
     return seen
 
 
@@ -54,7 +49,7 @@ def run(capsys):
 
     def run(line):
         capsys.readouterr()
-        code = cli.main(line.split())
+        code = cli.main(line.replace("TOY", TOY).split())
         out, err = capsys.readouterr()
         return code, out, err
 
@@ -62,62 +57,111 @@ def run(capsys):
 
 
 @pytest.mark.parametrize(
-    ("line", "options"),
+    ("line", "positional", "options"),
     [
         (
-            "run cup --seed 3 --no-video --situations 2 --pushes 1 --workers 2",
-            {"seed": 3, "video": False, "situations": 2, "pushes": 1, "workers": 2, "folder": None}
-            | {"progress": False},
+            "run TOY --seed 3 --no-video --situations 2 --pushes 1 --workers 2",
+            (Plan(3, 2, 1),),
+            {"video": False, "workers": 2, "folder": None, "progress": False},
         ),
-        ("teach cup --count 7", {"count": 7, "seed": 0, "folder": None}),
-        ("learn cup --components 3", {"components": 3, "folder": None}),
-        ("reproduce cup --situation 3", {"situation": 3, "seed": 0, "folder": None}),
+        ("teach TOY --count 7", (), {"count": 7, "seed": 0, "folder": None}),
+        ("learn TOY --demonstrations .", (Path("."),), {"out": None}),
+        ("reproduce TOY --situation 3", (None,), {"situation": 3, "seed": 0, "folder": None}),
         (
-            "push cup --force -20 0 0.5 --start 1 --duration 0.5 --body right_elbow",
+            "push TOY --force -20 0 0.5 --start 1 --duration 0.5 --body right_elbow",
+            (None,),
             {"situation": 0, "force": (-20.0, 0.0, 0.5), "start": 1.0, "duration": 0.5, "seed": 0}
             | {"body": "right_elbow", "folder": None},
         ),
     ],
 )
-def test_options_reach_the_campaign_and_json_is_alone_on_stdout(run, calls, line, options):
+def test_options_reach_the_verbs_and_json_is_alone_on_stdout(run, calls, line, positional, options):
     code, out, err = run(line + " --json")
     assert code == 0
-    assert calls == [(line.split()[0], "cup", options)]
-    assert json.loads(out) == {"task": "cup", "figures": {"tilt_max_deg": 1.5}, "bad": None}
+    ((name, study, given, named),) = calls
+    typed = f"tpsim {line} --json".replace("TOY", TOY)
+    assert named.pop("command", typed) == typed
+    assert (name, study.task.name, given) == (line.split()[0], "bring", positional)
+    assert named == options
+    assert json.loads(out) == {"task": "bring", "figures": {"tilt_max_deg": 1.5}, "bad": None}
     assert out.count("\n") == 1
     assert "chatter" in err
 
 
+def test_fields_of_the_task_are_options(run, calls):
+    assert run("teach TOY --effort 0.2 --count 2 --reach 0.1 0.2 --grip 3")[0] == 0
+    _, study, _, options = calls[0]
+    assert asdict(study.task) == {"effort": 0.2, "reach": (0.1, 0.2), "grip": 3.0}
+    assert options["count"] == 2
+    run("teach TOY")
+    assert asdict(calls[1][1].task) == {"effort": 0.05, "reach": (0.3, 0.4), "grip": None}
+
+
+def test_a_field_named_as_an_option_of_the_command_keeps_its_own_name(run, calls, tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "from dataclasses import dataclass\nfrom tests_toy import Bring\n"
+        "from tpsim.study.study import Study\n\n"
+        "@dataclass(frozen=True)\nclass Seeded(Bring):\n"
+        '    """Bring it.\n\n    Parameters\n    ----------\n    seed : int\n'
+        '        Of ``mine``.\n    """\n\n    seed: int = 5\n\nstudy = Study(Seeded())\n'
+    )
+    toy = Path(TOY.rpartition(":")[0]).read_text()
+    (tmp_path / "tests_toy.py").write_text(toy)
+    mine = f"{tmp_path / 'mine.py'}:study"
+    assert run(f"teach {mine} --seed 1 --task-seed 7")[0] == 0
+    assert (calls[0][1].task.seed, calls[0][3]["seed"]) == (7, 1)
+    shown = " ".join(run(f"teach {mine} --help")[1].split())
+    assert "--task-seed INT" in shown and "Of mine. (default: 5)" in shown
+
+
+def test_help_of_a_study_lists_the_fields_of_its_task(run, calls):
+    code, out, _ = run("run cup-and-sugar --help")
+    assert code == 0 and not calls
+    shown = " ".join(out.replace("│", " ").split())
+    assert "--effort FLOAT Cost of acceleration [s^4/(kg m^2)]: the one number that" in shown
+    assert "--situations INT" in shown
+
+
 def test_without_json_people_read_a_summary(run, calls):
-    code, out, _ = run("learn cup")
+    code, out, _ = run("learn TOY")
     assert code == 0 and calls
-    assert out.splitlines()[0] == "task  cup"
+    assert out.splitlines()[0] == "task  bring"
     assert "  tilt max deg  1.5" in out
 
 
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("run cup-sugar", "unknown task 'cup-sugar'; did you mean 'cup-and-sugar'? (known: cup, "),
-        ("run xyz", "unknown task 'xyz' (known: cup, cup-and-sugar, sugar)"),
-        ("run cup --seed -1", "--seed -1: give zero or a greater number"),
-        ("run cup --situations 0", "--situations 0: give a number greater than zero"),
-        ("run cup --pushes -2", "--pushes -2"),
-        ("run cup --workers 0", "--workers 0"),
-        ("teach cup --count 0", "--count 0"),
-        ("teach cup --count 2.5", "2.5"),
-        ("learn cup --components 0", "--components 0"),
-        ("reproduce cup --situation -1", "--situation -1"),
-        ("push cup --duration -2", "--duration -2.0"),
-        ("push cup --duration 0", "--duration 0.0"),
-        ("push cup --duration nan", "--duration nan"),
-        ("push cup --start -1", "--start -1.0"),
-        ("push cup --force 0 0 0", "--force 0.0 0.0 0.0: give three finite numbers"),
-        ("push cup --force inf 0 0", "--force inf 0.0 0.0"),
-        ("push cup --force 1 2", "--force"),
+        ("run cup-and-suga", "did you mean cup-and-sugar?"),
+        ("run xyz", "'xyz'"),
+        ("run cup.py:study", "cup.py"),
+        ("run TOY --seed -1", "--seed -1: give zero or a greater number"),
+        ("run TOY --situations 0", "--situations 0: give a number greater than zero"),
+        ("run TOY --pushes -2", "--pushes -2"),
+        ("run TOY --workers 0", "--workers 0"),
+        ("run TOY --efort 0.2", "unknown option '--efort'; did you mean '--effort'?"),
+        ("run TOY --situation 2", "unknown option '--situation'; did you mean '--situations'?"),
+        ("run TOY --xyz", "unknown option '--xyz'; --help lists the options"),
+        ("run TOY --effort soft", "--effort: could not convert string to float: 'soft'"),
+        ("run TOY --effort", "'--effort'"),
+        ("run TOY more", "unexpected 'more'"),
+        ("run TOY --seed 1.5", "--seed"),
+        ("teach TOY --count 0", "--count 0"),
+        ("teach TOY --count 2.5", "2.5"),
+        ("learn TOY --demonstrations nowhere", "--demonstrations nowhere: give a folder"),
+        ("reproduce TOY --situation -1", "--situation -1"),
+        ("push TOY --duration -2", "--duration -2.0"),
+        ("push TOY --duration 0", "--duration 0.0"),
+        ("push TOY --duration nan", "--duration nan"),
+        ("push TOY --start -1", "--start -1.0"),
+        ("push TOY --force 0 0 0", "--force 0.0 0.0 0.0: give three finite numbers"),
+        ("push TOY --force inf 0 0", "--force inf 0.0 0.0"),
+        ("push TOY --force 1 2", "--force"),
         ("bench speed", "speed"),
         ("demo nothing", "unknown demo 'nothing'"),
-        ("fly", "fly"),
+        ("fly", "unknown command 'fly'"),
+        ("tech cup", "did you mean 'teach'?"),
+        ("", "give a command: run, teach"),
         ("run", "TASK"),
     ],
 )
@@ -125,11 +169,12 @@ def test_wrong_usage_is_named_and_nothing_happens(run, calls, line, words):
     code, out, err = run(line)
     assert (code, out, calls) == (2, "", [])
     assert words in err
+    assert err.count("\n") == 1 and err.startswith("tpsim: ")
 
 
 def test_a_folder_that_is_a_file_is_wrong_usage(run, calls, tmp_path):
     (tmp_path / "file").write_text("")
-    code, _, err = run(f"run cup --folder {tmp_path / 'file'}")
+    code, _, err = run(f"run TOY --folder {tmp_path / 'file'}")
     assert code == 2 and "is a file" in err and not calls
 
 
@@ -147,8 +192,8 @@ def test_errors_are_one_line_on_stderr(run, calls, monkeypatch, error, code, as_
     def fail(*_, **__):
         raise error
 
-    monkeypatch.setattr(experiment.campaign, "run", fail)
-    given, out, err = run("run cup" + as_json)
+    monkeypatch.setattr(campaign, "run", fail)
+    given, out, err = run("run TOY" + as_json)
     assert (given, out) == (code, "")
     assert err.count("\n") == 1 and err.startswith("tpsim: ")
     assert " ".join(str(error).split()) in err
@@ -158,22 +203,34 @@ def test_an_interruption_says_how_to_go_on(run, calls, monkeypatch):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(experiment.campaign, "run", interrupt)
-    code, out, err = run("run cup --seed 4")
+    monkeypatch.setattr(campaign, "run", interrupt)
+    code, out, err = run("run TOY --seed 4")
     assert (code, out) == (1, "")
-    assert err.count("\n") == 1 and "tpsim run cup --seed 4" in err
+    assert err.count("\n") == 1 and f"tpsim run {TOY} --seed 4" in err
 
 
-def test_recorded_demonstrations_replay_bit_for_bit(run, calls, monkeypatch, tmp_path):
-    monkeypatch.setattr(experiment.campaign, "teach", record)
+def test_recorded_demonstrations_replay_bit_for_bit(run, tmp_path):
     folder = tmp_path / "demonstrations"
-    assert run(f"teach cup --seed 5 --folder {folder}")[0] == 0
-    code, out, _ = run(f"replay {folder / 'cup'} --json")
+    code, _, err = run(f"teach TOY --count 2 --seed 5 --folder {folder}")
+    assert code == 0
+    assert "tpsim: teaching bring: attempt 1 done, 1 of 2 good" in err
+    code, out, _ = run(f"replay {folder / 'bring'} --study TOY --json")
     result = json.loads(out)
     assert code == 0
     assert (result["trials"], result["identical"], result["largest_difference"]) == (2, 2, 0)
-    assert run(f"teach cup --folder {folder}")[0] == 1
+    assert run(f"teach TOY --folder {folder}")[0] == 1
     assert run(f"replay {tmp_path}")[0] == 1
+
+
+@pytest.mark.parametrize("change", [{"identical": 1}, {"missing": ["x"]}, {"whole": False}])
+def test_a_replay_that_differs_fails(run, monkeypatch, change):
+    answer = {"trials": 2, "identical": 2, "missing": [], "whole": True}
+    monkeypatch.setattr("tpsim.study.files.run.load_run", lambda folder: folder)
+    monkeypatch.setattr("tpsim.study.replay.replay", lambda run, study: answer)
+    assert run("replay folder")[0] == 0
+    answer |= change
+    code, out, _ = run("replay folder --json")
+    assert code == 1 and json.loads(out) == answer
 
 
 def test_benchmarks_are_run_by_area(run, monkeypatch):
@@ -196,8 +253,31 @@ def test_demos_are_listed_and_run_by_name(run, monkeypatch, tmp_path):
 
 
 def test_help_names_every_command_and_imports_nothing_heavy():
-    look = "import sys; from tpsim.cli import main; main(['--help']); print(sorted(sys.modules))"
+    look = (
+        "import sys; from tpsim.cli.main import main; main(['--help']); print(sorted(sys.modules))"
+    )
     shown = subprocess.run([sys.executable, "-c", look], capture_output=True, text=True)
     names = "run teach learn reproduce push replay compare bench demo doctor"
     assert all(f"• {name} " in shown.stdout for name in names.split())
-    assert not any(f"'{heavy}'" in shown.stdout for heavy in ("mujoco", "pinocchio", "matplotlib"))
+    heavy = ("mujoco", "pinocchio", "matplotlib", "numpy", "scipy")
+    assert not any(f"'{module}'" in shown.stdout for module in heavy)
+
+
+def test_the_version_is_printed(run):
+    code, out, err = run("--version")
+    assert (code, err) == (0, "") and out.startswith("tpsim ")
+
+
+def test_a_value_that_the_task_refuses_is_one_line(run, calls, tmp_path):
+    (tmp_path / "strict.py").write_text(
+        "from dataclasses import dataclass\nfrom tests_toy import Bring\n"
+        "from tpsim.study.study import Study\n\n"
+        "@dataclass(frozen=True)\nclass Strict(Bring):\n"
+        "    def __post_init__(self):\n"
+        "        if self.effort <= 0:\n            raise ValueError('effort must be positive')\n\n"
+        "study = Study(Strict())\n"
+    )
+    (tmp_path / "tests_toy.py").write_text(Path(TOY.rpartition(":")[0]).read_text())
+    code, out, err = run(f"run {tmp_path / 'strict.py'}:study --effort -1")
+    assert (code, out, calls) == (2, "", [])
+    assert err == "tpsim: task 'strict' refuses {'effort': -1.0}: effort must be positive\n"

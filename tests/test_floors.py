@@ -14,14 +14,19 @@ FLOORS = (
     "root",
     "learning",
     ("retrieval", "control"),
-    "sim",
+    "robot",
+    "world",
+    "controllers",
+    ("scene", "film"),
+    "task",
+    "study",
     "tasks",
-    ("experiment", "bench"),
+    ("lab", "section8", "data", "bench", "plot", "play", "gallery"),
     "cli",
 )
-SIMULATION = {"mujoco", "pinocchio", "mink", "dm_control", "dm_env"}
+SIMULATION = {"mujoco", "pinocchio", "mink", "dm_control", "dm_env", "gymnasium"}
 PLAIN = {"numpy", "scipy"}
-ROOMS = {"__init__": "root", "cli": "cli", "commands": "cli", "options": "cli"}
+ROOMS = {"lab": "lab", "gallery": "gallery", "__main__": "cli", "__init__": "root"}
 
 
 def height(room):
@@ -29,7 +34,7 @@ def height(room):
 
 
 def room_of(module):
-    """Room of ``tpsim.a.b``: a folder's name, ``cli`` for what the command line is made of."""
+    """Room of ``tpsim.a.b``: a folder's name, or that of a module that stands for a room."""
     name = [*module.split("."), "__init__"][1]
     if (PACKAGE / name).is_dir():
         return name
@@ -55,10 +60,10 @@ def offences(source, module):
         if package == "tpsim":
             other = room_of(target)
             allowed = other == room or height(other) < height(room)
-            # tpsim/__init__.py shows the mathematics flat.
-            allowed |= module == "tpsim.__init__" and height(other) < height("sim")
+            # tpsim/mathematics.py shows the mathematics flat.
+            allowed |= module == "tpsim.mathematics" and height(other) < height("robot")
         else:
-            allowed = package not in SIMULATION or height(room) >= height("sim")
+            allowed = package not in SIMULATION or height(room) >= height("robot")
         if not allowed:
             yield f"{module}:{line}: {room} must not import {target}"
 
@@ -93,9 +98,9 @@ def test_the_mathematics_needs_numpy_and_scipy_alone(room):
         ("tpsim.gaussian", "import numpy\nimport tpsim.learning.em", "tpsim.gaussian:2: root"),
         ("tpsim.retrieval.gmr", "from tpsim.control import lqt", "retrieval must not import"),
         ("tpsim.control.lqt", "def f():\n    import mujoco", "tpsim.control.lqt:2"),
-        ("tpsim.sim.robot", "from tpsim import tasks", "sim must not import tpsim.tasks"),
-        ("tpsim.tasks.cup", "from ..experiment import plot", "tasks must not import"),
-        ("tpsim.experiment.plot", "from tpsim.cli import main", "experiment must not import"),
+        ("tpsim.robot.robot", "from tpsim import tasks", "robot must not import tpsim.tasks"),
+        ("tpsim.task.task", "from ..study import plot", "task must not import"),
+        ("tpsim.study.plot", "from tpsim.cli import main", "study must not import"),
     ],
 )
 def test_an_offence_is_named_with_its_line(module, source, words):
@@ -106,10 +111,10 @@ def test_an_offence_is_named_with_its_line(module, source, words):
 @pytest.mark.parametrize(
     ("module", "source"),
     [
-        ("tpsim.sim.robot", "import mujoco, pinocchio\nfrom tpsim.control import impedance"),
-        ("tpsim.cli", "from tpsim.experiment import campaign"),
+        ("tpsim.robot.robot", "import mujoco, pinocchio\nfrom tpsim.control import impedance"),
+        ("tpsim.cli", "from tpsim.study import campaign"),
         ("tpsim.learning.em", "from tpsim.gaussian import Gaussian\nfrom .gmm import GMM"),
-        ("tpsim.__init__", "from tpsim.learning.gmm import GMM as GMM"),
+        ("tpsim.mathematics", "from tpsim.learning.gmm import GMM as GMM"),
     ],
 )
 def test_what_the_design_allows_passes(module, source):

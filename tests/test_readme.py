@@ -27,7 +27,7 @@ def test_another_agent_drives_a_task(capsys):
 
 
 def test_every_command_it_shows_is_understood():
-    from tpsim.commands import parse
+    from tpsim.cli.parse import parse
 
     blocks = "".join(re.findall(r"```sh\n(.*?)```", README.read_text(), re.DOTALL))
     shown = re.findall(r"^tpsim (\w+ \S[^#\n]*)", blocks, re.MULTILINE)

@@ -64,7 +64,6 @@ from tpsim.study.study import Lab as Lab
 from tpsim.study.study import Plan as Plan
 from tpsim.study.study import Study as Study
 from tpsim.study.study import pushes_all_round as pushes_all_round
-from tpsim.task.environment import environment as environment
 from tpsim.task.task import Behaviour as Behaviour
 from tpsim.task.task import Goal as Goal
 from tpsim.task.task import Situation as Situation

@@ -1,8 +1,6 @@
-"""tpsim: task-parameterized movement learning on simulated torque-controlled robots.
+"""The mathematics, flat: what ``import tpsim`` offers, grouped by station.
 
-The mathematics of S. Calinon, "A Tutorial on Task-Parameterized Movement Learning and
-Retrieval" (2016), re-exported flat. Simulation lives in :mod:`tpsim.sim` and above and is
-imported where it is used, so that this import needs numpy and scipy alone.
+From S. Calinon, "A Tutorial on Task-Parameterized Movement Learning and Retrieval" (2016).
 """
 
 from tpsim.control import projection as projection

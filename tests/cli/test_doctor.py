@@ -1,6 +1,7 @@
 import numpy
 
-from tpsim.experiment import doctor, gallery
+from tpsim.cli import doctor
+from tpsim.experiment import gallery
 
 
 def test_what_is_here_is_listed(monkeypatch):

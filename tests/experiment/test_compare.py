@@ -4,7 +4,7 @@ import pytest
 from tpsim import Gaussian
 from tpsim.errors import ArgumentError
 from tpsim.examples import u_demonstration, u_demonstrations
-from tpsim.experiment.canvas import to_png
+from tpsim.study.canvas import to_png
 from tpsim.experiment.compare import compare, figure, measure, retrieve_all, situations
 from tpsim.experiment.methods import METHODS
 

@@ -9,7 +9,13 @@ import pytest
 from PIL import Image
 
 from tpsim.errors import ArgumentError, RenderingError, SimulationError
-from tpsim.sim import overlay, rendering, scene, video
+from tpsim.film import overlay, rendering, video
+from tpsim.film.camera import viewpoint
+from tpsim.film.clip import Arrow, Clip, Ellipsoid
+from tpsim.robot.robot import Robot
+from tpsim.tasks.cup_and_sugar.task import HOME, CupAndSugar
+from tpsim.world.trial import Channels, Trial
+from tpsim.world.world import World
 
 draws = pytest.mark.skipif(rendering.backend() is None, reason=rendering.HINT)
 SIZE = {"width": 320, "height": 192}
@@ -19,15 +25,15 @@ SIZE = {"width": 320, "height": 192}
 def clip():
     time = np.linspace(0, 1, 11)
     point = np.tile([0.6, 0.1, 0.2], (11, 1))
-    return video.Clip(
-        scene=scene.cup_and_sugar(),
+    return Clip(
+        world=CupAndSugar().stage,
         time=time,
-        q=np.tile(scene.HOME, (11, 1)),
+        q=np.tile(HOME, (11, 1)),
         title="title",
         subtitle="subtitle",
-        arrows=(video.Arrow(point, np.tile([20.0, 0, 0], (11, 1))),),
+        arrows=(Arrow(point, np.tile([20.0, 0, 0], (11, 1))),),
         traces=(point + time[:, None] * [0, 0, 0.2],),
-        ellipsoids=(video.Ellipsoid(point, np.tile(np.diag([100.0, 400, 900]), (11, 1, 1))),),
+        ellipsoids=(Ellipsoid(point, np.tile(np.diag([100.0, 400, 900]), (11, 1, 1))),),
     )
 
 
@@ -138,3 +144,59 @@ def test_clips_that_do_not_fit_are_refused(clip, change, message):
 def test_a_film_needs_a_clip(tmp_path):
     with pytest.raises(ArgumentError, match="at least one"):
         video.film([], tmp_path / "film.mp4")
+
+
+PLAIN = """
+<mujoco>
+  <worldbody>
+    <body><joint name="hinge" axis="0 0 1" range="-90 90"/>
+      <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02" rgba="1 0 0 1"/>
+      <site name="tip" pos="0.3 0 0"/></body>
+    <body name="puck" mocap="true"><geom size="0.02" contype="0" conaffinity="0"/></body>
+  </worldbody>
+  <actuator><motor joint="hinge" ctrlrange="-5 5" ctrllimited="true"/></actuator>
+</mujoco>"""
+
+
+@pytest.fixture(scope="module")
+def plain():
+    """A world whose file has neither camera nor light."""
+    return World.compose(Robot.from_mjcf(PLAIN, {"hand": "tip"}, velocity_limit=3.0))
+
+
+@draws
+def test_a_scene_without_cameras_is_framed_by_its_size(plain, tmp_path):
+    clip = Clip(plain, np.array([0.0]), np.zeros((1, 1)))
+    assert isinstance(viewpoint(plain.model), mujoco.MjvCamera)
+    picture = np.asarray(Image.open(video.still(clip, 0, tmp_path / "a.png", **SIZE)), int)
+    red = picture[..., 0] > picture[..., 1:].sum(-1) + 20
+    rows, columns = np.nonzero(red)
+    assert red.mean() > 0.005
+    assert rows.min() > 0 and rows.max() < 191 and columns.min() > 0 and columns.max() < 319
+
+
+def test_a_clip_of_a_trial_takes_people_and_objects_by_the_channels(plain):
+    time = np.arange(3) / 100
+    trial = Trial(
+        {
+            "time": time,
+            "q": np.zeros((3, 1)),
+            "puck_position": np.ones((3, 3)),
+            "puck_quaternion": np.tile([1.0, 0, 0, 0], (3, 1)),
+            "friend_wrench": np.tile([1.0, 2, 3, 4, 5, 6], (3, 1)),
+            "friend_point": np.full((3, 3), 0.5),
+            "odd_wrench": np.zeros((3, 6)),
+        },
+        channels=Channels(objects=("puck",), people=("friend",)),
+    )
+    clip = Clip.of(plain, trial, "title")
+    (arrow,) = clip.arrows
+    np.testing.assert_array_equal(arrow.force, np.tile([1.0, 2, 3], (3, 1)))
+    np.testing.assert_array_equal(arrow.point, np.full((3, 3), 0.5))
+    np.testing.assert_array_equal(clip.objects["puck"], np.tile([1, 1, 1, 1, 0, 0, 0], (3, 1)))
+
+
+def test_q_of_another_robot_is_refused(plain, tmp_path):
+    clip = Clip(plain, np.array([0.0]), np.zeros((1, 2)))
+    with pytest.raises(SimulationError, match="q has 2 columns: the robot has 1 joints"):
+        video.still(clip, 0, tmp_path / "a.png")

@@ -1,27 +1,42 @@
-"""From recorded demonstrations to figures: the whole walk, small."""
+"""From demonstrations to figures: the whole walk, small, of a user's study and of cup and sugar."""
 
 import json
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tpsim import TPGMM, paths, tasks
-from tpsim.errors import RecordingError, SimulationError
-from tpsim.experiment import campaign, conditions
-from tpsim.experiment.conditions import Condition, Lead
-from tpsim.experiment.recording import load_run
-from tpsim.experiment.replay import replay
-from tpsim.experiment.studies import study
-from tpsim.sim.push import Push
-from tpsim.tasks.task import Situation
+from tpsim import TPGMM, paths
+from tpsim.errors import ArgumentError, RecordingError, SimulationError
+from tpsim.study import campaign, figures, teaching, trying
+from tpsim.study.condition import Condition, Lead
+from tpsim.study.executor import perform_condition
+from tpsim.study.files.run import load_run
+from tpsim.study.measure import Measure
+from tpsim.study.record import Records
+from tpsim.study.study import Plan
+from tpsim.task.task import Situation, draw_situation
+from tpsim.task.verbs import learn, perform
+from tpsim.tasks.cup_and_sugar.study import cup, cup_and_sugar, sugar
+
+
+@pytest.fixture(scope="module")
+def toy_run(toy, tmp_path_factory):
+    """A whole run of a user's study, without a film."""
+    folder = tmp_path_factory.mktemp("campaign") / "run"
+    study = replace(
+        toy,
+        measures=[*toy.measures, Measure("strength", unit="N", limit=1.0, title="Strength")],
+        probes={"strength": lambda lab: 2.0},
+    )
+    return campaign.run(study, Plan(3, 1, 2), folder, video=False, command="tpsim run"), folder
 
 
 @pytest.fixture(scope="module")
 def pushed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("run") / "push"
-    result = campaign.push(
-        "cup-and-sugar",
+    result = trying.push(
+        cup_and_sugar,
         situation=3,
         force=(0.0, 0.0, -20.0),
         start=1.5,
@@ -33,15 +48,106 @@ def pushed(tmp_path_factory):
     return result, folder
 
 
+def test_a_run_answers_with_figures_limits_and_paths(toy_run):
+    answer, folder = toy_run
+    keys = ["task", "seed", "trials", "figures", "missed", "wall_seconds", "paths"]
+    assert list(answer) == keys
+    assert (answer["task"], answer["seed"], answer["trials"]) == ("bring", 3, 9)
+    assert set(answer["figures"]) == {"gap", "strength", "realtime_factor"}
+    assert answer["figures"]["strength"] == 2.0
+    assert answer["figures"]["realtime_factor"] > 0
+    assert answer["missed"] == ["Strength"]
+    assert answer["paths"] == {
+        "run": str(folder),
+        "report": str(folder / "report.html"),
+        "film": None,
+    }
+    assert json.dumps(answer)
+
+
+def test_a_run_leaves_a_whole_folder_that_states_plan_and_fields(toy_run):
+    run = load_run(toy_run[1])
+    assert run.file.whole.trials == 9 and set(run.models) == {"bring"}
+    assert run.file.configuration["plan"] == {"seed": 3, "situations": 1, "pushes": 2}
+    assert run.file.task.fields["effort"] == 0.05
+    taught = load_run(toy_run[1] / "demonstrations" / "bring")
+    assert taught.file.whole.trials == 3
+
+
+def test_the_largest_gap_is_that_of_the_recorded_trials(toy_run, toy):
+    """The figure again, from the files: distance of tip and mark in trials under "learned"."""
+    run = load_run(toy_run[1])
+    gaps = [
+        np.linalg.norm(trial["hand_position"] - trial["mark_position"], axis=1).max()
+        for trial in run.trials()
+        if trial.about["condition"]["controller"] == "learned"
+    ]
+    assert len(gaps) == 3
+    assert toy_run[0]["figures"]["gap"] == pytest.approx(1e3 * max(gaps), rel=1e-9)
+
+
+def test_the_report_of_a_plain_study_shows_every_series(toy_run):
+    page = (toy_run[1] / "report.html").read_text()
+    for words in (
+        "Bring the tip to the mark.",
+        "Controllers beside each other",
+        "<h2>gap</h2>",
+        "What was learned",
+        "No film was asked for.",
+        "1 limits kept",
+    ):
+        assert words in page, words
+    assert page.count("<svg") == 2
+
+
+def test_a_measure_of_nothing_is_refused_before_anything_runs(toy, tmp_path):
+    lost = replace(toy, measures=[Measure("luck")])
+    with pytest.raises(ArgumentError, match=r"'luck' has neither of nor whole.*no probe"):
+        campaign.run(lost, Plan(0, 1, 1), tmp_path / "new")
+    assert not (tmp_path / "new").exists()
+    twice = replace(toy, measures=[toy.measures[0], toy.measures[0]])
+    with pytest.raises(ArgumentError, match="two measures are called 'gap'"):
+        campaign.run(twice, Plan(0, 1, 1), tmp_path / "new")
+
+
+def test_taught_demonstrations_are_learned_from_their_folder(toy, tmp_path, capsys):
+    answer = teaching.teach(toy, 2, seed=1, folder=tmp_path / "shown")
+    assert answer["attempts"] == {"bring": 2}
+    assert "teaching bring: attempt 2 done, 2 of 2 good" in capsys.readouterr().err
+    learned = teaching.learn(toy, tmp_path / "shown", tmp_path / "models")
+    assert learned["demonstrations"] == {"bring": 2}
+    taught = teaching.demonstrations_of(toy, tmp_path / "shown")
+    fresh = learn(toy.task, taught)["bring"]
+    stored = TPGMM.load(tmp_path / "models" / "model-bring.npz")
+    for one, other in zip(fresh.frames, stored.frames, strict=True):
+        np.testing.assert_array_equal(one.mean, other.mean)
+    spread = learned["deviations"]["bring"]["posture"]
+    assert list(spread) == ["shoulder [rad]", "elbow [rad]"]
+    variances = fresh.frames[1].covariance[0].diagonal()
+    np.testing.assert_allclose(list(spread.values()), np.sqrt(variances))
+    with pytest.raises(RecordingError, match="exists; give a new folder"):
+        teaching.teach(toy, 2, folder=tmp_path / "shown")
+
+
+def test_side_by_side_teaching_gives_the_same_bits(toy):
+    task = replace(toy.task)
+    both = {"one": task.behaviours()["bring"], "two": task.behaviours()["bring"]}
+    object.__setattr__(task, "behaviours", lambda: both)
+    study = replace(toy, task=task)
+    alone, beside = (teaching.taught_all(study, 1, 4, workers) for workers in (1, 2))
+    assert list(alone) == list(beside) == ["one", "two"]
+    np.testing.assert_array_equal(alone["two"][0]["q"], beside["two"][0]["q"])
+
+
 def test_a_push_yields_and_the_task_is_kept(pushed):
-    figures = pushed[0]["figures"]
-    assert figures["tilt_max_deg"] <= 5
-    assert figures["tilt_rms_deg"] <= 2.5
-    assert figures["offset_max_mm"] <= 15
-    assert figures["offset_rms_mm"] <= 8
-    assert figures["displacement_mean_mm"] >= 40
-    assert figures["saturated_percent"] < 1
-    assert figures["diverged"] == figures["contacts"] == 0
+    found = pushed[0]["figures"]
+    assert found["tilt_max_deg"] <= 5
+    assert found["tilt_rms_deg"] <= 2.5
+    assert found["offset_max_mm"] <= 15
+    assert found["offset_rms_mm"] <= 8
+    assert found["displacement_mean_mm"] >= 40
+    assert found["saturated_percent"] < 1
+    assert found["diverged"] == found["contacts"] == 0
     assert json.dumps(pushed[0])
 
 
@@ -50,60 +156,24 @@ def test_the_hand_comes_back_after_the_push(pushed):
     assert np.linalg.norm(trial["cup_position"][-1] - twin["cup_position"][-1]) < 0.01
 
 
-def test_a_run_repeats_from_its_own_folder_alone_bit_for_bit(pushed):
-    answer = replay(load_run(pushed[1]))
-    assert answer["identical"] == answer["trials"] == 2
-    assert answer["largest_difference"] == 0
-
-
-def test_conditions_survive_being_written_down():
-    condition = Condition(
-        "pushed",
-        Situation(1, 2, (0.1, 1 / 3), {"a": [1]}),
-        "stiff",
-        Push("torso", (1.0, 2.0, 1 / 7)),
-        Lead("left_gripper", (0.1, 0.2, 0.3), (0.0, 0.15, 0.0)),
-        3.5,
-    )
-    about = json.loads(json.dumps({"condition": asdict(condition)}))
-    assert Condition.from_about(about) == condition
-
-
-def test_the_pool_gives_the_same_bits_as_one_process(pushed):
-    folder = pushed[1]
-    run = load_run(folder)
-    models = {b: TPGMM.load(folder / f"model-{b}.npz") for b in ("cup", "sugar")}
-    trial = next(run.trials())
-    short = [replace(Condition.from_about(trial.about), duration=0.3) for _ in range(2)]
-    runs = [
-        list(conditions.perform(short, "cup-and-sugar", run.scene, models, workers))
-        for workers in (1, 2)
-    ]
-    for one, other in zip(*runs, strict=True):
-        for name, signal in one.arrays.items():
-            assert np.array_equal(signal, other[name]), name
-
-
 def test_the_sugar_follows_a_led_hand(pushed):
-    folder = pushed[1]
-    models = {b: TPGMM.load(folder / f"model-{b}.npz") for b in ("cup", "sugar")}
-    found, twin = study("cup-and-sugar"), next(load_run(folder).trials())
-    task = tasks.load("cup-and-sugar")
-    rest = Condition.from_about(twin.about).situation
-    rest = replace(rest, start=tuple(twin["q"][-1].tolist()))
+    run = load_run(pushed[1])
+    models, twin, task = run.models, next(run.trials()), cup_and_sugar.task
+    rest = Situation(tuple(twin["q"][-1].tolist()))
     origin = tuple(twin["left_hand_position"][-1].tolist())
     lead = Lead("left_gripper", origin, (0.0, 0.15, 0.0), start=0.2, duration=2.0, rest=0.3)
-    condition = Condition("led", rest, lead=lead, duration=2.5)
-    trial = condition.perform(task, task.simulation(), models)
-    figures = found.figures([(condition, trial)], models)
-    assert figures["lead_offset_max_mm"] <= 20
-    assert figures["lead_force_mean_N"] <= 20
+    condition = Condition("led", rest, lead=(lead,), duration=2.5)
+    trial = perform_condition(cup_and_sugar, models, condition)
+    records = Records(task, models, [(condition, trial)])
+    found = figures.of_trials(cup_and_sugar, records)
+    assert found["lead_offset_max_mm"] <= 20
+    assert found["lead_force_mean_N"] <= 20
     moved = np.linalg.norm(trial["left_hand_position"] - origin, axis=1).max()
     assert 0.12 < moved < 0.16
 
 
 def test_learn_tells_what_the_teacher_cared_about(tmp_path):
-    result = campaign.learn("cup-and-sugar", components=1, folder=tmp_path)
+    result = teaching.learn(cup_and_sugar, out=tmp_path)
     cup = result["deviations"]["cup"]["cup in base"]
     assert max(cup["about x [rad]"], cup["about y [rad]"]) < 0.05 < cup["about z [rad]"]
     above = result["deviations"]["sugar"]["sugar from cup"]
@@ -112,35 +182,34 @@ def test_learn_tells_what_the_teacher_cared_about(tmp_path):
 
 
 def test_several_components_are_learned_and_performed(tmp_path):
-    result = campaign.learn("sugar", components=3, folder=tmp_path)
+    study = sugar.with_task(components=3)
+    result = teaching.learn(study, out=tmp_path)
     models = {"sugar": TPGMM.load(tmp_path / "model-sugar.npz")}
     assert models["sugar"].components == result["components"] == 3
     assert (np.diff(models["sugar"].history) >= -1e-9).all()
-    task = tasks.load("sugar")
-    simulation = task.simulation()
-    condition = Condition("unpushed", task.situation(simulation, 0, 0), duration=1.5)
-    trial = condition.perform(task, simulation, models)
-    figures = study("sugar").figures([(condition, trial)], models)
+    condition = Condition("unpushed", draw_situation(study.task, 0, 0), duration=1.5)
+    trial = perform(study.task, models, condition.situation, duration=1.5)
+    records = Records(study.task, models, [(condition, trial)])
     assert trial.outcome == "done"
-    assert figures["offset_max_mm"] < 20
+    assert figures.of_trials(study, records)["offset_max_mm"] < 20
 
 
 def test_missing_demonstrations_say_how_to_record_some(monkeypatch, tmp_path):
     monkeypatch.setattr(paths, "demonstrations", lambda name: tmp_path / name)
     with pytest.raises(RecordingError, match="tpsim teach cup"):
-        campaign.learn("cup", components=1)
+        teaching.learn(cup)
+
+
+def test_demonstrations_of_another_robot_are_refused(toy, tmp_path):
+    teaching.teach(toy, 1, folder=tmp_path)
+    (tmp_path / "bring").rename(tmp_path / "cup")
+    with pytest.raises(RecordingError, match="shows a robot with joints shoulder, elbow"):
+        teaching.learn(cup, tmp_path)
 
 
 def test_a_push_at_nothing_leaves_no_folder(tmp_path):
     with pytest.raises(SimulationError, match="no body or site 'knee'"):
-        campaign.push(
-            "cup",
-            situation=0,
-            force=(1.0, 0, 0),
-            start=1.0,
-            duration=1.0,
-            body="knee",
-            seed=0,
-            folder=tmp_path / "new",
+        trying.push(
+            cup, force=(1.0, 0, 0), start=1.0, duration=1.0, body="knee", folder=tmp_path / "new"
         )
     assert not (tmp_path / "new").exists()

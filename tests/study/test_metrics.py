@@ -2,15 +2,9 @@ import numpy as np
 import pytest
 
 from tpsim.errors import ArgumentError
-from tpsim.experiment.metrics import (
-    Measure,
-    displacement,
-    mean_force,
-    push_interval,
-    rms,
-    work,
-)
-from tpsim.sim.trial import Trial
+from tpsim.study.measure import Result, rms
+from tpsim.study.metrics import displacement, mean_force, push_interval, work
+from tpsim.world.trial import Trial
 
 
 @pytest.mark.parametrize(
@@ -27,13 +21,13 @@ from tpsim.sim.trial import Trial
     ],
 )
 def test_a_measure_knows_whether_it_keeps_its_limit(value, limit, at_least, passed):
-    assert Measure("tilt", value, "deg", limit, at_least).passed is passed
+    assert Result("tilt", "Tilt", value, "deg", limit, at_least).passed is passed
 
 
 def test_rms_of_a_sine_is_its_amplitude_over_root_two():
     phase = np.arange(1000) * 2 * np.pi / 1000
     assert rms(3 * np.sin(phase)) == pytest.approx(3 / np.sqrt(2))
-    np.testing.assert_allclose(rms([[3.0, 4.0], [0.0, 0.0]], axis=1), [np.sqrt(12.5), 0])
+    assert rms(np.array([[3.0, 4.0], [0.0, 0.0]])) == pytest.approx(2.5)
 
 
 def test_work_against_a_spring_is_half_k_x_squared():

@@ -5,8 +5,11 @@ import numpy as np
 import pytest
 
 from tpsim.errors import ArgumentError
-from tpsim.experiment import canvas, plot
-from tpsim.sim.trial import Trial
+from tpsim.study import canvas, plot
+from tpsim.study.condition import Condition
+from tpsim.study.record import Records
+from tpsim.task.task import Situation
+from tpsim.world.trial import Trial
 
 
 @pytest.fixture
@@ -16,10 +19,11 @@ def groups():
     wrench = np.zeros((100, 6))
     wrench[30:61, 0] = 20
 
-    def trial():
-        return Trial({"time": time, "push_wrench": wrench, "tilt": rng.random(100)})
+    def record():
+        trial = Trial({"time": time, "push_wrench": wrench, "tilt": rng.random(100)})
+        return Records(None, {}).add(Condition("pushed", Situation(())), trial)
 
-    return {"minimal": [trial() for _ in range(3)], "stiff": [trial() for _ in range(3)]}
+    return {"minimal": [record() for _ in range(3)], "stiff": [record() for _ in range(3)]}
 
 
 def tilt(trial):

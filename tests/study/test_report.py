@@ -5,17 +5,17 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from tpsim.experiment import plot
-from tpsim.experiment.metrics import Measure
-from tpsim.experiment.report import Picture, Section, write_report
+from tpsim.study import plot
+from tpsim.study.measure import Result
+from tpsim.study.report import Picture, Section, write_report
 
 VOID = {"meta", "img", "br", "link", "input"}
 MEASURES = [
-    Measure("tilt, largest", 3.912, "deg", 5),
-    Measure("sugar offset", 16.2, "mm", 15),
-    Measure("displacement", 63.4, "mm", 40, at_least=True),
-    Measure("diverged", 0, "", 0),
-    Measure("work", None),
+    Result("tilt, largest", "tilt, largest", 3.912, "deg", 5),
+    Result("sugar offset", "sugar offset", 16.2, "mm", 15),
+    Result("displacement", "displacement", 63.4, "mm", 40, at_least=True),
+    Result("diverged", "diverged", 0, "", 0),
+    Result("work", "work", None),
 ]
 
 
@@ -104,5 +104,5 @@ def test_images_are_embedded_as_png(write, section):
 
 
 def test_markup_in_words_stays_words(write):
-    text = write(notes=["<script>alert(1)</script>"], figures=[Measure("<b>x</b>", 1.0)])
+    text = write(notes=["<script>alert(1)</script>"], figures=[Result("x", "<b>x</b>", 1.0)])
     assert "<script>" not in text and "<b>x</b>" not in text

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tpsim.experiment.summary import plain, summary
+from tpsim.study.summary import plain, summary
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ def run(quick: bool = False) -> dict[str, float]:
 
 def _regression(repetitions: int) -> dict[str, float]:
     rng = np.random.default_rng(0)
-    model = TPGMM(np.full(5, 0.2), [_gaussians(rng, 5, 4) for _ in range(3)])
+    model = TPGMM(np.full(5, 0.2), tuple(_gaussians(rng, 5, 4) for _ in range(3)))
     frames = [Frame(np.eye(3), rng.normal(size=3)).with_input() for _ in range(3)]
     gmm, time, now = model.adapt(frames), np.linspace(0, 1, 200), np.array([0.3])
     regression = Regression.of(gmm)

@@ -1,6 +1,7 @@
 """Speeds of simulation: physics, control on top of it, environments, films."""
 
 import tempfile
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from statistics import median
@@ -9,13 +10,16 @@ from time import perf_counter, process_time
 import mujoco
 import numpy as np
 
-from tpsim import tasks
 from tpsim.bench.control import median_time
 from tpsim.bench.timing import one_core
-from tpsim.sim import rendering, scene
-from tpsim.sim.teach import teach
-from tpsim.sim.video import Clip, film
-from tpsim.tasks.environment import environment
+from tpsim.film import rendering
+from tpsim.film.clip import Clip
+from tpsim.film.video import film
+from tpsim.study.reference import load_study
+from tpsim.task.environment import environment
+from tpsim.task.task import Models, Task, draw_situation
+from tpsim.task.verbs import Taught, learn, perform, teach
+from tpsim.tasks import STUDIES
 
 FPS = 25
 """Pictures of a film in a second."""
@@ -27,13 +31,15 @@ LESSONS = 2
 """Demonstrations of each behaviour: what is learned need be typical, not good."""
 
 
-def run(quick: bool = False) -> dict[str, float]:
+def run(quick: bool = False, names: Sequence[str] = tuple(STUDIES)) -> dict[str, float]:
     """Median speeds on one core, in processor time, except that of films.
 
     Parameters
     ----------
     quick : bool
         Fewer repetitions, a shorter film.
+    names : sequence of str
+        Built-in tasks; all by default.
 
     Returns
     -------
@@ -45,57 +51,48 @@ def run(quick: bool = False) -> dict[str, float]:
         picture in a film, is missing where nothing draws.
     """
     repetitions = 1 if quick else 5
-    figures, learned = {}, {}
+    figures: dict[str, float] = {}
+    taught: dict[str, Taught] = {}
     with one_core():
-        for name in tasks.names():
-            task = tasks.load(name)
+        for name in names:
+            task = load_study(name, STUDIES).task
             figures |= _physics(task, repetitions)
-            figures |= _control(task, _models(task, learned), repetitions)
+            figures |= _control(task, _models(task, taught), repetitions)
             figures |= _environment(task, repetitions)
     return figures | _film(25 if quick else 100)
 
 
-def _key(task, figure: str) -> str:
+def _key(task: Task, figure: str) -> str:
     return f"{task.name}_{figure}".replace("-", "_")
 
 
-def _models(task, learned: dict) -> dict:
-    """A model for each behaviour, taught on the way; ``learned`` keeps them for other tasks."""
-    simulation, models = task.simulation(), {}
-    for behaviour in task.behaviours:
-        known = simulation.xml, behaviour
-        if known not in learned:
-            lesson = partial(_lesson, task, behaviour)
-            trials = teach(simulation, lesson, LESSONS, seed=0, sites=task.sites)
-            learned[known] = task.learn(simulation, behaviour, trials, task.components)
-        models[behaviour] = learned[known]
-    return models
+def _models(task: Task, taught: dict[str, Taught]) -> Models:
+    """A model for each behaviour, taught on the way; ``taught`` keeps lessons for other tasks."""
+    shown = taught.setdefault(task.stage.xml, {})
+    missing = [name for name in task.behaviours() if name not in shown]
+    taught[task.stage.xml] = shown = {**shown, **teach(task, LESSONS, behaviours=missing)}
+    return learn(task, shown)
 
 
-def _lesson(task, behaviour, simulation, rng):
-    return task.lesson(simulation, behaviour, rng)
-
-
-def _physics(task, repetitions: int) -> dict[str, float]:
+def _physics(task: Task, repetitions: int) -> dict[str, float]:
     """Physics alone: from home, for a tenth of a second, before anything is hit."""
-    simulation, steps = task.simulation(), 100
+    simulation, steps = task.stage.simulation(), 100
 
     def fall() -> None:
-        simulation.reset(simulation.home)
+        simulation.reset(simulation.robot.home)
         mujoco.mj_step(simulation.model, simulation.data, steps)
 
     seconds = median_time(fall, 20 * repetitions)
     return {_key(task, "physics_factor"): steps * simulation.timestep / seconds}
 
 
-def _control(task, models, repetitions: int) -> dict[str, float]:
-    simulation = task.simulation()
-    situation = task.situation(simulation, 0, 0)
-    perform = partial(task.perform, simulation, models, situation, duration=DURATION)
-    return {_key(task, "realtime_factor"): DURATION / median_time(perform, repetitions)}
+def _control(task: Task, models: Models, repetitions: int) -> dict[str, float]:
+    situation = draw_situation(task, 0, 0)
+    trial = partial(perform, task, models, situation, duration=DURATION)
+    return {_key(task, "realtime_factor"): DURATION / median_time(trial, repetitions)}
 
 
-def _environment(task, repetitions: int) -> dict[str, float]:
+def _environment(task: Task, repetitions: int) -> dict[str, float]:
     world, times = environment(task, duration=DURATION / 10), []
     hold = np.zeros(world.action_spec().shape)
     for _ in range(repetitions):
@@ -117,8 +114,8 @@ def _film(pictures: int) -> dict[str, float]:
 
 def _filming(pictures: int) -> float:
     """Seconds for a film of cup and sugar with some pictures more than the shortest one."""
-    time = np.arange(pictures) / FPS
-    clip = Clip(scene.cup_and_sugar(), time, np.tile(scene.HOME, (pictures, 1)), "", "")
+    world = load_study("cup-and-sugar", STUDIES).task.stage
+    clip = Clip(world, np.arange(pictures) / FPS, np.tile(world.robot.home, (pictures, 1)))
     with tempfile.TemporaryDirectory() as folder:
         began = perf_counter()
         film([clip], Path(folder) / "film.mp4", fps=FPS)

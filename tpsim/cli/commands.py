@@ -3,22 +3,30 @@
 What is heavy is imported inside the commands, so that ``tpsim --help`` answers at once.
 """
 
-import dataclasses
 import importlib
 import math
-import shlex
 import sys
-import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-import tyro
 from tyro.conf import Positional, arg
 
+from tpsim.cli.options import (
+    Answer,
+    Command,
+    SeededCommand,
+    StudyCommand,
+    known,
+    not_negative,
+    positive,
+)
 from tpsim.errors import ArgumentError
-from tpsim.options import Command, SeededCommand, TaskCommand, known, not_negative, positive
+from tpsim.versions import cores
+
+if TYPE_CHECKING:
+    from tpsim.study.study import Study
 
 BENCHES = ("learning", "retrieval", "control", "simulation")
 
@@ -44,20 +52,19 @@ class Run(SeededCommand):
         if self.workers is not None:
             positive("--workers", self.workers)
 
-    def execute(self) -> dict:
-        """Run the campaign."""
-        from tpsim.experiment import campaign
-        from tpsim.experiment.doctor import cores
+    def execute(self, study: "Study", line: str) -> Answer:
+        """Run the study."""
+        from tpsim.study import campaign
+        from tpsim.study.study import Plan
 
         return campaign.run(
-            self.task,
-            seed=self.seed,
-            video=self.video,
-            situations=self.situations,
-            pushes=self.pushes,
-            workers=self.workers or cores(),
+            study,
+            Plan(self.seed, self.situations, self.pushes),
             folder=self.folder,
+            workers=self.workers or cores(),
+            video=self.video,
             progress=sys.stderr.isatty(),
+            command=line,
         )
 
 
@@ -65,43 +72,53 @@ class Run(SeededCommand):
 class Teach(SeededCommand):
     """Lead the arms through a task and record the demonstrations."""
 
-    count: int = 6
-    """Number of demonstrations."""
+    count: int | None = None
+    """Number of demonstrations of each behaviour (default: the task's own)."""
 
     def check(self) -> None:
         """Check the count."""
         super().check()
-        positive("--count", self.count)
+        if self.count is not None:
+            positive("--count", self.count)
 
-    def execute(self) -> dict:
+    def execute(self, study: "Study", line: str) -> Answer:
         """Teach."""
-        from tpsim.experiment import campaign
+        from tpsim.study import teaching
 
-        return campaign.teach(self.task, count=self.count, seed=self.seed, folder=self.folder)
+        return teaching.teach(
+            study, count=self.count, seed=self.seed, folder=self.folder, command=line
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
-class Learn(TaskCommand):
-    """Fit the task-parameterized model to the recorded demonstrations."""
+class Learning(StudyCommand):
+    """What every command has that starts from recorded demonstrations."""
 
-    components: int | None = None
-    """Number of Gaussians of the mixture (default: the task's own)."""
+    demonstrations: Path | None = None
+    """Folder that tpsim teach wrote (default: recordings/demonstrations)."""
 
     def check(self) -> None:
-        """Check the number of components."""
+        """Check the demonstrations' folder."""
         super().check()
-        if self.components is not None:
-            positive("--components", self.components)
-
-    def execute(self) -> dict:
-        """Learn."""
-        from tpsim.experiment import campaign
-
-        return campaign.learn(self.task, components=self.components, folder=self.folder)
+        if self.demonstrations is not None and not self.demonstrations.is_dir():
+            raise ArgumentError(
+                f"--demonstrations {self.demonstrations}: give a folder that tpsim teach wrote"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reproduce(SeededCommand):
+class Learn(Learning):
+    """Fit the task-parameterized models to recorded demonstrations."""
+
+    def execute(self, study: "Study", line: str) -> Answer:
+        """Learn."""
+        from tpsim.study import teaching
+
+        return teaching.learn(study, self.demonstrations, out=self.folder)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reproduce(Learning, SeededCommand):
     """Repeat the learned task in a situation that was never taught."""
 
     situation: int = 0
@@ -112,12 +129,17 @@ class Reproduce(SeededCommand):
         super().check()
         not_negative("--situation", self.situation)
 
-    def execute(self) -> dict:
+    def execute(self, study: "Study", line: str) -> Answer:
         """Reproduce."""
-        from tpsim.experiment import campaign
+        from tpsim.study import trying
 
-        return campaign.reproduce(
-            self.task, situation=self.situation, seed=self.seed, folder=self.folder
+        return trying.reproduce(
+            study,
+            self.demonstrations,
+            situation=self.situation,
+            seed=self.seed,
+            folder=self.folder,
+            command=line,
         )
 
 
@@ -132,7 +154,7 @@ class Push(Reproduce):
     duration: float = 2.0
     """How long it lasts [s]."""
     body: str | None = None
-    """Body that is pushed (default: the task's hand); an unknown name lists all."""
+    """Body or site that is pushed (default: the first hand); an unknown name lists all."""
 
     def check(self) -> None:
         """Check the push."""
@@ -143,19 +165,21 @@ class Push(Reproduce):
         not_negative("--start", self.start)
         positive("--duration", self.duration)
 
-    def execute(self) -> dict:
+    def execute(self, study: "Study", line: str) -> Answer:
         """Push."""
-        from tpsim.experiment import campaign
+        from tpsim.study import trying
 
-        return campaign.push(
-            self.task,
-            situation=self.situation,
+        return trying.push(
+            study,
+            self.demonstrations,
             force=self.force,
             start=self.start,
             duration=self.duration,
             body=self.body,
+            situation=self.situation,
             seed=self.seed,
             folder=self.folder,
+            command=line,
         )
 
 
@@ -165,28 +189,29 @@ class Replay(Command):
 
     folder: Annotated[Positional[Path], arg(metavar="FOLDER")]
     """Run folder, with its run.json."""
+    study: str | None = None
+    """Study that was run, where it is none of the built-in ones: my_task.py:study."""
 
-    def execute(self) -> dict:
+    def execute(self) -> Answer:
         """Replay."""
-        from tpsim.experiment.recording import load_run
-        from tpsim.experiment.replay import compare_runs, replay
+        from tpsim.study.files.run import load_run
+        from tpsim.study.reference import load_study
+        from tpsim.study.replay import replay
 
-        run = load_run(self.folder)
-        line = run.description["command"]
-        command = parse(shlex.split(line)[1:])
-        if not isinstance(command, Teach):
-            return {"command": line, **replay(run)}
-        with tempfile.TemporaryDirectory() as folder:
-            again = dataclasses.replace(command, folder=Path(folder)).execute()
-            where = again["paths"]["demonstrations"][0]
-            return {"command": line, **compare_runs(run, load_run(Path(where)))}
+        study = None if self.study is None else load_study(self.study)
+        return replay(load_run(self.folder), study)
+
+    def succeeded(self, answer: Answer) -> bool:
+        """Whether every trial of a whole run came out again."""
+        same = answer["identical"] == answer["trials"]
+        return same and bool(answer["whole"]) and not answer["missing"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Compare(Command):
     """Measure the methods of the tutorial's Section 8 beside each other."""
 
-    def execute(self) -> dict:
+    def execute(self) -> Answer:
         """Compare."""
         from tpsim.experiment import compare
 
@@ -205,7 +230,7 @@ class Bench(Command):
     quick: bool = False
     """Fewer repetitions."""
 
-    def execute(self) -> dict:
+    def execute(self) -> Answer:
         """Run the benchmarks of the chosen areas."""
         areas = BENCHES if self.area == "all" else (self.area,)
         return {
@@ -221,7 +246,7 @@ class Demo(Command):
     name: Annotated[Positional[str | None], arg(metavar="[NAME]")] = None
     """Name of the demonstration; none lists them."""
 
-    def execute(self) -> dict:
+    def execute(self) -> Answer:
         """Run one or list all."""
         from tpsim.experiment import gallery
 
@@ -235,24 +260,14 @@ class Demo(Command):
 class Doctor(Command):
     """Show versions, rendering, what is missing and the command that mends it."""
 
-    def execute(self) -> dict:
+    def execute(self) -> Answer:
         """Look."""
-        from tpsim.experiment import doctor
+        from tpsim.cli import doctor
 
         return doctor.examine()
 
 
-def parse(arguments: Sequence[str]) -> Command:
-    """Return the command that ``arguments`` name; exit with 2 where they name none."""
-    return tyro.extras.subcommand_cli_from_dict(
-        COMMANDS,
-        prog="tpsim",
-        description="Task-parameterized movement learning on torque-controlled robots.",
-        args=list(arguments),
-    )
-
-
-COMMANDS = {
+COMMANDS: Mapping[str, type[Command | StudyCommand]] = {
     command.__name__.lower(): command
     for command in (Run, Teach, Learn, Reproduce, Push, Replay, Compare, Bench, Demo, Doctor)
 }

@@ -1,43 +1,14 @@
 """What is here, what is missing, and the command that mends it."""
 
-import os
 import platform
 import sys
-from importlib import metadata
 
 from tpsim import paths
-from tpsim.sim import rendering
-
-PACKAGES = (
-    "tpsim",
-    "numpy",
-    "scipy",
-    "mujoco",
-    "dm-control",
-    "pin",
-    "mink",
-    "tyro",
-    "matplotlib",
-    "imageio",
-    "imageio-ffmpeg",
-    "tqdm",
-)
-"""What tpsim is made of, by the names that pip knows."""
+from tpsim.film import rendering
+from tpsim.versions import cores, versions
 
 
-def versions(packages: tuple[str, ...] = PACKAGES) -> dict[str, str | None]:
-    """Return Python's version and those of ``packages``; None where one is not installed."""
-    return {"python": platform.python_version()} | {name: _version(name) for name in packages}
-
-
-def cores() -> int:
-    """Return the number of processor cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
-def examine() -> dict:
+def examine() -> dict[str, object]:
     """Return versions, machine, folders, and what is missing with the command that mends it."""
     found = versions()
     renderer, encoder = rendering.backend(), _encoder()
@@ -60,13 +31,6 @@ def examine() -> dict:
             *_missing_files(),
         ],
     }
-
-
-def _version(package: str) -> str | None:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return None
 
 
 def _encoder() -> str | None:

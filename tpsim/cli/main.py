@@ -11,24 +11,27 @@ import os
 import shlex
 import sys
 from collections.abc import Sequence
+from importlib.metadata import version
 
-from tpsim import paths
-from tpsim.commands import parse
+from tpsim.cli.options import Answer
+from tpsim.cli.parse import parse
 from tpsim.errors import ArgumentError, TpsimError
+from tpsim.paths import runs
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command line; return 0 done, 1 the work failed, 2 wrong usage."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # small matrices: BLAS threads only hurt
+    if arguments == ["--version"]:
+        print(f"tpsim {version('tpsim')}")
+        return 0
     try:
-        command = parse(arguments)
+        call = parse(arguments)
+        with contextlib.redirect_stdout(sys.stderr):
+            answer = call.execute()
     except SystemExit as usage:
         return int(usage.code or 0)
-    try:
-        command.check()
-        with contextlib.redirect_stdout(sys.stderr):
-            result = command.execute()
     except ArgumentError as error:
         return _fail(error, 2)
     except (TpsimError, OSError) as error:
@@ -36,27 +39,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         again = shlex.join(["tpsim", *arguments])
         return _fail(
-            f"interrupted; finished trials are kept in {paths.runs()}. To start again: {again}", 1
+            f"interrupted; finished trials are kept in {runs()}. To start again: {again}", 1
         )
     try:
-        _show(result, as_json=command.json)
+        _show(answer, as_json=call.options.json)
         sys.stdout.flush()
     except BrokenPipeError:
         # Who reads, has read enough; Python must not complain once more at its end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return 0
+    return 0 if call.options.succeeded(answer) else 1
 
 
-def _show(result: dict, *, as_json: bool) -> None:
-    from tpsim.experiment.summary import plain, summary
+def _show(answer: Answer, *, as_json: bool) -> None:
+    from tpsim.study.summary import plain, summary
 
-    print(json.dumps(plain(result), allow_nan=False) if as_json else summary(result))
+    print(json.dumps(plain(answer), allow_nan=False) if as_json else summary(answer))
 
 
 def _fail(message: object, code: int) -> int:
     print("tpsim: " + " ".join(str(message).split()), file=sys.stderr)
     return code
-
-
-if __name__ == "__main__":
-    sys.exit(main())

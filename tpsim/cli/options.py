@@ -2,20 +2,27 @@
 
 import difflib
 import math
-from collections.abc import Iterable
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import FlagCreatePairsOff, Positional, arg
 
 from tpsim.errors import ArgumentError
 
-TaskName = Annotated[Positional[str], arg(metavar="TASK")]
+if TYPE_CHECKING:
+    from tpsim.study.study import Study
+
+Answer = Mapping[str, object]
+"""What a command has to say: plain values and paths by name."""
+
+Reference = Annotated[Positional[str], arg(metavar="TASK")]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Command:
+class Options:
     """What every command has."""
 
     json: FlagCreatePairsOff[bool] = False
@@ -24,31 +31,49 @@ class Command:
     def check(self) -> None:
         """Raise ArgumentError for options that make no sense, before anything heavy happens."""
 
-    def execute(self) -> dict:
-        """Do the work and return what to print."""
-        raise NotImplementedError
+    def succeeded(self, answer: Answer) -> bool:
+        """Whether the work came out as it should; the exit code says so."""
+        return True
 
 
 @dataclass(frozen=True, kw_only=True)
-class TaskCommand(Command):
-    """What every command about one task has."""
+class Command(Options, ABC):
+    """A command that is about no study."""
 
-    task: TaskName
-    """Name of the task; an unknown name lists all."""
+    @abstractmethod
+    def execute(self) -> Answer:
+        """Do the work and return what to print."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyCommand(Options, ABC):
+    """What every command about one study has."""
+
+    reference: Reference
+    """A built-in task, my_task.py:study or package.module:study; after it, --help lists the fields
+    of the task, which are options too."""
     folder: Path | None = None
     """Folder to write to (default: a new one in recordings/)."""
 
     def check(self) -> None:
-        """Check the task's name and the folder."""
-        from tpsim import tasks
-
-        known("task", self.task, tasks.names())
+        """Check the folder."""
         if self.folder is not None and self.folder.is_file():
             raise ArgumentError(f"--folder {self.folder} is a file; give a new or empty folder")
 
+    @abstractmethod
+    def execute(self, study: "Study", line: str) -> Answer:
+        """Do the work on a study and return what to print.
+
+        Parameters
+        ----------
+        study : Study
+        line : str
+            The command line, which recordings keep for people to read.
+        """
+
 
 @dataclass(frozen=True, kw_only=True)
-class SeededCommand(TaskCommand):
+class SeededCommand(StudyCommand):
     """What every command that draws random numbers has."""
 
     seed: int = 0
@@ -60,14 +85,18 @@ class SeededCommand(TaskCommand):
         not_negative("--seed", self.seed)
 
 
+def nearest(given: str, names: Iterable[str]) -> str:
+    """``"; did you mean 'x'?"``, or nothing where no name is near."""
+    near = difflib.get_close_matches(given, list(names), n=1, cutoff=0.5)
+    return f"; did you mean {near[0]!r}?" if near else ""
+
+
 def known(kind: str, given: str, allowed: Iterable[str]) -> None:
     """Raise ArgumentError with the nearest name where ``given`` is not among the allowed."""
     names = sorted(allowed)
-    if given in names:
-        return
-    near = difflib.get_close_matches(given, names, n=1, cutoff=0.5)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
-    raise ArgumentError(f"unknown {kind} {given!r}{hint} (known: {', '.join(names)})")
+    if given not in names:
+        hint = nearest(given, names)
+        raise ArgumentError(f"unknown {kind} {given!r}{hint} (known: {', '.join(names)})")
 
 
 def positive(name: str, value: float) -> None:

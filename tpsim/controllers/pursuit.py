@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
+from tpsim import rotation
 from tpsim.controllers.minimal_intervention import MinimalIntervention, optimum
 from tpsim.controllers.product import Information, Skill
 from tpsim.robot.state import State
@@ -40,10 +41,11 @@ class Pursuit(MinimalIntervention):
 
     def __init__(self, skills: Sequence[Skill], *, effort: float, every: int = 25):
         super().__init__(skills, effort=effort, every=every)
-        self._last: np.ndarray | None = None
+        self._was: np.ndarray | None = None
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the product of all frames at a state, moving with them."""
+        state = self._ahead(state)
         product, robot = self.product(state), state.robot
         now = optimum(product, state, self._effort)
         pull = now.stiffness @ (now.reference - state.q)
@@ -54,18 +56,32 @@ class Pursuit(MinimalIntervention):
         held = now if excess <= 1 else now.weaker(excess)
         return replace(held, velocity=self._keep_up(product, state))
 
+    def _ahead(self, state: State) -> State:
+        """The state with the objects' velocities in the middle of the period to come.
+
+        What is seen of a velocity is half a period old on average, so it is extrapolated by a
+        whole one; in the objects' own axes: hands that follow an object turn with it, and there
+        their Jacobians hardly change.
+        """
+        objects = state.objects
+        if objects.twists is None:
+            return state
+        R = rotation.from_quaternion(objects.quaternions)
+        own = objects.twists.reshape(-1, 2, 3) @ R
+        ahead = own if self._was is None else 2 * own - self._was
+        self._was = own
+        twists = (ahead @ R.mT).reshape(-1, 6)
+        return State(state.robot, state.x, objects.moving(twists), state.time)
+
     def _keep_up(self, product: Information, state: State) -> np.ndarray:
         """Joint velocity (n,) [rad/s] that keeps up with the frames."""
         assert self._product is not None
         seen = [view(state) for view in self._product.stack.views]
         drift = np.concatenate([s.drift for s in seen])
         K = np.concatenate([_rate(s) for s in seen])
-        # In the middle of the time to come, half a period after now.
-        ahead = drift if self._last is None else drift + 0.5 * (drift - self._last)
-        self._last = drift
         JW = product.jacobian.T @ product.precision
         steady = np.eye(state.robot.n) / STEADY**2
-        velocity = dgesv(JW @ K + steady, -JW @ ahead)[2]
+        velocity = dgesv(JW @ K + steady, -JW @ drift)[2]
         limit = state.robot.velocity_limit
         return np.minimum(np.maximum(velocity, -limit), limit)
 

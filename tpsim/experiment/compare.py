@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.examples import u_demonstration, u_demonstrations, u_frames
-from tpsim.experiment.canvas import INK
+from tpsim.study.canvas import INK
 from tpsim.experiment.methods import METHODS, Frames
 from tpsim.experiment.plane import draw_demonstrations, draw_frames, draw_path
 from tpsim.gaussian import Gaussian

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from tpsim.demonstration import Demonstration
-from tpsim.experiment.canvas import INK, PALETTE
+from tpsim.study.canvas import INK, PALETTE
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
 

@@ -1,11 +1,13 @@
 """What a film shows: recorded movements, and what is drawn over them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from tpsim.errors import ArgumentError
-from tpsim.sim.trial import Trial
+from tpsim.world.trial import Trial
+from tpsim.world.world import World
 
 
 @dataclass(frozen=True)
@@ -46,22 +48,22 @@ class Clip:
 
     Parameters
     ----------
-    scene : str
-        MJCF text.
+    world : World
+        What is there; the drawing processes are given its text and files.
     time : (T,)
         Increasing, s.
     q : (T, n)
-        Joint positions in the order of the scene, rad.
+        Positions of the robot's joints, rad.
     title, subtitle : str
         Caption; none without a title.
     arrows : tuple of Arrow
     traces : tuple of (T, 3)
         Paths of points, drawn up to the present, m.
     ellipsoids : tuple of Ellipsoid
-    objects : dict of str to (T, 3) or (T, 7)
-        Position, or position and quaternion (w, x, y, z), of mocap bodies of the scene.
+    objects : mapping of str to (T, 3) or (T, 7)
+        Position, or position and quaternion (w, x, y, z), of objects of the world.
     camera : str
-        A camera of the scene; without it the film's.
+        A camera of the world; without it the film's.
     speed : float
         Film time runs this many times faster than the recording.
 
@@ -71,7 +73,7 @@ class Clip:
         If shapes do not fit the time or a value is not finite.
     """
 
-    scene: str
+    world: World
     time: np.ndarray
     q: np.ndarray
     title: str = ""
@@ -79,44 +81,50 @@ class Clip:
     arrows: tuple[Arrow, ...] = ()
     traces: tuple[np.ndarray, ...] = ()
     ellipsoids: tuple[Ellipsoid, ...] = ()
-    objects: dict[str, np.ndarray] = field(default_factory=dict)
+    objects: Mapping[str, np.ndarray] = field(default_factory=dict)
     camera: str = ""
     speed: float = 1.0
 
     @classmethod
-    def of(cls, scene: str, trial: Trial, title: str, subtitle: str, objects=(), **drawn) -> "Clip":
-        """A recorded trial with all forces of people as arrows.
-
-        Parameters
-        ----------
-        scene : str
-            MJCF text.
-        trial : Trial
-        title, subtitle : str
-            Caption.
-        objects : iterable of str
-            Names of recorded objects that move.
-        **drawn
-            Other fields of the clip.
-        """
+    def of(
+        cls,
+        world: World,
+        trial: Trial,
+        title: str,
+        subtitle: str = "",
+        *,
+        traces: tuple[np.ndarray, ...] = (),
+        ellipsoids: tuple[Ellipsoid, ...] = (),
+        camera: str = "",
+        speed: float = 1.0,
+    ) -> "Clip":
+        """A recorded trial with its objects, and all forces of people as arrows."""
         arrows = tuple(
-            Arrow(trial[name.replace("_wrench", "_point")], wrench[:, :3])
-            for name, wrench in trial.arrays.items()
-            if name.endswith("_wrench")
+            Arrow(trial[f"{person}_point"], trial[f"{person}_wrench"][:, :3])
+            for person in trial.channels.people
         )
-        poses = {
-            name: np.hstack([trial[f"{name}_position"], trial[f"{name}_quaternion"]])
-            for name in objects
-        }
-        clock, q = trial["time"], trial["q"]
-        return cls(scene, clock, q, title, subtitle, arrows, objects=poses, **drawn)
+        objects = {name: np.hstack(poses) for name, poses in trial.objects.items()}
+        return cls(
+            world,
+            trial.time,
+            trial["q"],
+            title,
+            subtitle,
+            arrows,
+            traces,
+            ellipsoids,
+            objects,
+            camera,
+            speed,
+        )
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         length = np.size(self.time)
         if np.ndim(self.time) != 1 or length == 0 or (np.diff(self.time) <= 0).any():
             raise ArgumentError("time of a clip: give one row of increasing seconds")
         if not self.speed > 0:
             raise ArgumentError(f"speed {self.speed} of a clip: give a positive number")
+        tails: list[tuple[str, np.ndarray, tuple[tuple[int, ...], ...]]]
         tails = [("time", self.time, ((),)), ("q", self.q, ((np.shape(self.q)[-1],),))]
         tails += [("trace", trace, ((3,),)) for trace in self.traces]
         for arrow in self.arrows:

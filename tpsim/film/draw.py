@@ -1,6 +1,6 @@
 """The process that draws: pictures of clips, as RGB bytes on the standard output.
 
-It is started by :mod:`tpsim.sim.video` with a ``MUJOCO_GL`` that works, and is told on its
+It is started by :mod:`tpsim.film.video` with a ``MUJOCO_GL`` that works, and is told on its
 standard input what to draw.
 """
 
@@ -11,8 +11,9 @@ import sys
 import mujoco
 import numpy as np
 
-from tpsim.sim import overlay
-from tpsim.sim.clip import Clip
+from tpsim.film import overlay
+from tpsim.film.camera import lit, viewpoint
+from tpsim.film.clip import Clip
 
 
 class Painter:
@@ -22,7 +23,8 @@ class Painter:
     ----------
     clip : Clip
     camera : str
-        Camera where the clip names none.
+        Camera where the clip names none; if that is empty too, the world's ``hero`` or, without
+        one, a camera that sees everything.
     width, height : int
         Size of the pictures, pixels.
     antialias : int
@@ -30,7 +32,7 @@ class Painter:
     """
 
     def __init__(self, clip: Clip, camera: str, width: int, height: int, antialias: int):
-        model = mujoco.MjModel.from_xml_string(clip.scene)
+        model = lit(clip.world)
         model.vis.global_.offwidth = width
         model.vis.global_.offheight = height
         model.vis.quality.offsamples = antialias
@@ -40,20 +42,22 @@ class Painter:
             model.vis.quality.numslices = 48
             model.vis.quality.numstacks = 24
         self._clip = clip
-        self._camera = clip.camera or camera
-        self._model = model
-        self._data = mujoco.MjData(model)
+        self._camera = viewpoint(model, clip.camera or camera)
+        self._model, self._data = model, mujoco.MjData(model)
+        self._joints = [model.joint(name).qposadr[0] for name in clip.world.description.joints]
         self._renderer = mujoco.Renderer(model, height, width)
         self._caption = (
             overlay.Caption(clip.title, clip.subtitle, width, height) if clip.title else None
         )
         self._mocap = {name: model.body(name).mocapid[0] for name in clip.objects}
+        for joint, position in clip.world.description.fixed.items():
+            self._data.qpos[model.joint(joint).qposadr[0]] = position
 
     def __enter__(self) -> "Painter":
         """Return itself."""
         return self
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         """Free the renderer."""
         self._renderer.close()
 
@@ -67,12 +71,12 @@ class Painter:
         picture = self._renderer.render()
         if self._caption:
             forces = [np.linalg.norm(arrow.force[sample]) for arrow in self._clip.arrows]
-            self._caption.draw(picture, self._clip.time[sample], max(forces, default=0.0))
+            self._caption.draw(picture, self._clip.time[sample], float(max(forces, default=0.0)))
         return picture
 
     def _pose(self, sample: int) -> None:
         clip, data = self._clip, self._data
-        data.qpos[: clip.q.shape[1]] = clip.q[sample]
+        data.qpos[self._joints] = clip.q[sample]
         for name, poses in clip.objects.items():
             data.mocap_pos[self._mocap[name]] = poses[sample, :3]
             if poses.shape[1] == 7:
@@ -101,7 +105,7 @@ def main() -> None:
         if samples:
             with Painter(clip, *settings) as painter:
                 for sample in samples:
-                    out.write(painter.picture(sample))
+                    out.write(painter.picture(sample).tobytes())
                     out.flush()
 
 

@@ -48,7 +48,7 @@ def ellipsoid(scene: mujoco.MjvScene, centre: np.ndarray, stiffness: np.ndarray)
     geom.mat[:] = axes
 
 
-def _new(scene: mujoco.MjvScene, kind: mujoco.mjtGeom, rgba: tuple) -> mujoco.MjvGeom:
+def _new(scene: mujoco.MjvScene, kind: mujoco.mjtGeom, rgba: tuple[float, ...]) -> mujoco.MjvGeom:
     """Return a fresh geom at the end of the scene."""
     geom = scene.geoms[scene.ngeom]
     mujoco.mjv_initGeom(
@@ -80,7 +80,7 @@ class Caption:
         """Draw the bar into ``picture (height, width, 3)``: ``time`` s, ``force`` N if any."""
         image = self._image.copy()
         pen = ImageDraw.Draw(image)
-        right, middle = self._width - self._margin, self._bar // 2
+        right, middle = float(self._width - self._margin), self._bar // 2
         pen.text((right, middle), f"{time:5.1f} s", (176, 184, 194), self._font, anchor="rm")
         if force >= _SMALLEST_FORCE:
             right -= pen.textlength("000.0 s", self._font) + self._margin

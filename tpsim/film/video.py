@@ -7,14 +7,13 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-import mujoco
 import numpy as np
 
 from tpsim.errors import ArgumentError, RenderingError, SimulationError
-from tpsim.sim import rendering
-from tpsim.sim.clip import Arrow as Arrow
-from tpsim.sim.clip import Clip as Clip
-from tpsim.sim.clip import Ellipsoid as Ellipsoid
+from tpsim.film import rendering
+from tpsim.film.camera import cameras
+from tpsim.film.clip import Clip
+from tpsim.whole import whole_path
 
 _END = 0.6  # s for which the last picture of a clip stays
 
@@ -23,7 +22,7 @@ def film(
     clips: Sequence[Clip],
     path: str | Path,
     *,
-    camera: str = "hero",
+    camera: str = "",
     width: int = 1280,
     height: int = 720,
     fps: int = 25,
@@ -44,23 +43,20 @@ def film(
     if not clips:
         raise ArgumentError("no clips were given: give at least one")
     frames = [(i, sample) for i, clip in enumerate(clips) for sample in _samples(clip, fps)]
-    unfinished = _unfinished(path, ".mp4")
-    writer = imageio_ffmpeg.write_frames(
-        str(unfinished),
-        (width, height),
-        fps=fps,
-        codec="libx264",
-        quality=None,
-        output_params=["-crf", "20", "-preset", "veryfast", "-movflags", "+faststart"],
-    )
-    try:
+    with whole_path(Path(path)) as unfinished:
+        writer = imageio_ffmpeg.write_frames(
+            str(unfinished),
+            (width, height),
+            fps=fps,
+            codec="libx264",
+            quality=None,
+            output_params=["-crf", "20", "-preset", "veryfast", "-movflags", "+faststart"],
+        )
         with contextlib.closing(writer):
             writer.send(None)
             for picture in _pictures(clips, frames, camera, width, height, workers=2):
                 writer.send(picture)
-        return unfinished.replace(path)
-    finally:
-        unfinished.unlink(missing_ok=True)
+    return Path(path)
 
 
 def still(
@@ -68,7 +64,7 @@ def still(
     time: float,
     path: str | Path,
     *,
-    camera: str = "hero",
+    camera: str = "",
     width: int = 1280,
     height: int = 720,
 ) -> Path:
@@ -83,16 +79,9 @@ def still(
 
     sample = _at(clip, np.array([time]))[0]
     (picture,) = _pictures([clip], [(0, sample)], camera, width, height, antialias=4)
-    unfinished = _unfinished(path, ".png")
-    Image.frombytes("RGB", (width, height), picture).save(unfinished)
-    return unfinished.replace(path)
-
-
-def _unfinished(path: str | Path, suffix: str) -> Path:
-    """Return the name, beside ``path``, of a file that is not whole yet."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    return path.with_name(f".{path.stem}-unfinished{suffix}")
+    with whole_path(Path(path)) as unfinished:
+        Image.frombytes("RGB", (width, height), picture).save(unfinished)
+    return Path(path)
 
 
 def _samples(clip: Clip, fps: int) -> np.ndarray:
@@ -109,7 +98,7 @@ def _at(clip: Clip, time: np.ndarray) -> np.ndarray:
 
 def _pictures(
     clips: Sequence[Clip],
-    frames: list,
+    frames: Sequence[tuple[int, int]],
     camera: str,
     width: int,
     height: int,
@@ -134,23 +123,25 @@ def _pictures(
             process.communicate()
 
 
-def _start(job: tuple, environment: dict[str, str]) -> subprocess.Popen:
+def _start(job: tuple[object, ...], environment: dict[str, str]) -> "subprocess.Popen[bytes]":
     """Start a worker on a job."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "tpsim.sim.draw"],
+        [sys.executable, "-m", "tpsim.film.draw"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         env=environment,
     )
+    assert process.stdin is not None
     with contextlib.suppress(BrokenPipeError), process.stdin:
         pickle.dump(job, process.stdin)
     process.stdin = None
     return process
 
 
-def _read(process: subprocess.Popen, size: int) -> bytes:
+def _read(process: "subprocess.Popen[bytes]", size: int) -> bytes:
     """Read one picture from a worker."""
+    assert process.stdout is not None and process.stderr is not None
     picture = process.stdout.read(size)
     if len(picture) < size:
         said = process.stderr.read().decode(errors="replace").strip().splitlines()
@@ -160,19 +151,17 @@ def _read(process: subprocess.Popen, size: int) -> bytes:
 
 
 def _check(clip: Clip, camera: str) -> None:
-    """Compile the scene of a clip and look for everything that the clip names."""
-    try:
-        model = mujoco.MjModel.from_xml_string(clip.scene)
-    except ValueError as error:
-        raise SimulationError(f"the scene of a clip does not compile: {error}") from None
-    cameras = [model.camera(i).name for i in range(model.ncam)]
-    if (clip.camera or camera) not in cameras:
+    """Look in the world of a clip for everything that the clip names."""
+    world, wanted = clip.world, clip.camera or camera
+    if wanted and wanted not in cameras(world.model):
         raise SimulationError(
-            f"the scene has no camera {clip.camera or camera!r}: its cameras are {cameras}"
+            f"the scene has no camera {wanted!r}: its cameras are {cameras(world.model)}"
         )
-    if np.shape(clip.q)[1] > model.nq:
-        raise SimulationError(f"q has {np.shape(clip.q)[1]} columns: the scene has {model.nq}")
-    bodies = [model.body(i).name for i in range(model.nbody) if model.body_mocapid[i] >= 0]
+    columns, joints = np.shape(clip.q)[1], len(world.description.joints)
+    if columns != joints:
+        raise SimulationError(f"q has {columns} columns: the robot has {joints} joints")
     for name in clip.objects:
-        if name not in bodies:
-            raise SimulationError(f"the scene has no object {name!r}: its objects are {bodies}")
+        if name not in world.objects:
+            raise SimulationError(
+                f"the scene has no object {name!r}: its objects are {list(world.objects)}"
+            )

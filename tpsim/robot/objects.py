@@ -57,7 +57,8 @@ class Objects(Mapping[str, Moving]):
         quaternions: np.ndarray,
         twists: np.ndarray | None = None,
     ):
-        self._rows, self._moving = rows, {}
+        self._rows = rows
+        self._moving: dict[str, Moving] = {}
         self.positions, self.quaternions, self.twists = positions, quaternions, twists
 
     @classmethod
@@ -67,6 +68,10 @@ class Objects(Mapping[str, Moving]):
         turned = [pose.quaternion for pose in poses.values()]
         rows = {name: row for row, name in enumerate(poses)}
         return cls(rows, positions, np.array(turned, float).reshape(-1, 4))
+
+    def moving(self, twists: np.ndarray) -> "Objects":
+        """The same objects with other velocities (k, 6)."""
+        return Objects(self._rows, self.positions, self.quaternions, twists)
 
     def __getitem__(self, name: str) -> Moving:
         """Return the object called ``name``."""

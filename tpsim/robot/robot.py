@@ -71,6 +71,7 @@ class Robot:
         self._dynamics, self._kinematics = self._pin.createData(), self._pin.createData()
         self._placed: State | None = None
         self._indices: dict[str | tuple[str, ...], np.ndarray] = {}
+        self._spans: dict[str | tuple[str, ...], slice | np.ndarray] = {}
         self.changes = () if source is None else source.changes
         self.qpos, self.dof = model.jnt_qposadr[ids].copy(), model.jnt_dofadr[ids].copy()
         limited = model.jnt_limited[ids].astype(bool)
@@ -219,6 +220,12 @@ class Robot:
             self._indices[joints] = np.array(found)
         return self._indices[joints]
 
+    def span(self, joints: str | tuple[str, ...]) -> slice | np.ndarray:
+        """The same indices as a slice, where they follow each other."""
+        if joints not in self._spans:
+            self._spans[joints] = as_slice(self.index(joints))
+        return self._spans[joints]
+
     def chain(self, site: str) -> np.ndarray:
         """Indices (k,) in q of the joints that move a site."""
         frame = self._pin.frames[self._site(site)]
@@ -271,8 +278,9 @@ class Robot:
         """Pose of a site in the world."""
         frame = self._site(site)
         self._place(state)
-        placement = self._kinematics.oMf[frame]
-        return Pose(placement.rotation.copy(), placement.translation.copy())
+        # One call into Pinocchio instead of two.
+        placement = self._kinematics.oMf[frame].homogeneous
+        return Pose(placement[:3, :3], placement[:3, 3])
 
     def compute_jacobian(self, state: State, site: str) -> np.ndarray:
         """Jacobian (6, n) of a site, world-aligned."""
@@ -282,8 +290,16 @@ class Robot:
         return J.reshape(6, -1)
 
 
+def as_slice(indices: Sequence[int] | np.ndarray) -> slice | np.ndarray:
+    """Indices (k,) as a slice, where they follow each other: it selects a view, and faster."""
+    first = int(indices[0])
+    if np.array_equal(indices, np.arange(first, first + len(indices))):
+        return slice(first, first + len(indices))
+    return np.asarray(indices)
+
+
 def _motors(
-    model: mujoco.MjModel, ids: Sequence[int], names: Sequence[str]
+    model: mujoco.MjModel, ids: np.ndarray, names: Sequence[str]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Actuator of each joint, and its torque limit."""
     on_joint = model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT

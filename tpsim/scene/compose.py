@@ -3,8 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 
+from tpsim.errors import SimulationError
 from tpsim.robot.robot import Robot
 from tpsim.scene.parts import camera as add_camera
 from tpsim.scene.parts import hold, light, place
@@ -104,17 +106,31 @@ def world(
     spec = robot.source.spec.copy()
     centre, extent, lowest = _bounds(robot)
     light(spec, lowest if floor is None else floor, tuple(centre), extent)
-    for k, (name, thing) in enumerate((objects or {}).items()):
+    shown = dict(cameras or {})
+    if "hero" not in shown and spec.camera("hero") is None:
+        away = centre + extent * np.array([1.5, 0.95, 0.55])
+        shown["hero"] = Camera(tuple(away), tuple(centre))
+    try:
+        _furnish(spec, objects or {}, held or {}, shown)
+    except ValueError as error:
+        reason = " ".join(str(error).split())
+        raise SimulationError(f"the scene cannot be put together: {reason}") from None
+    return World.compose(robot, spec)
+
+
+def _furnish(
+    spec: mujoco.MjSpec,
+    objects: Mapping[str, str | Placed],
+    held: Mapping[str, Held],
+    cameras: Mapping[str, Camera],
+) -> None:
+    for k, (name, thing) in enumerate(objects.items()):
         placed = Placed(thing) if isinstance(thing, str) else thing
         place(spec, placed.model, name, placed.position, placed.paint or PAINTS[k % len(PAINTS)])
-    for name, item in (held or {}).items():
+    for name, item in held.items():
         hold(spec, item.model, name, item.site, item.position, item.axes)
-    shown = dict(cameras or {})
-    away = centre + extent * np.array([1.5, 0.95, 0.55])
-    shown.setdefault("hero", Camera(tuple(away), tuple(centre)))
-    for name, view in shown.items():
+    for name, view in cameras.items():
         add_camera(spec, name, view.position, view.target, view.fovy)
-    return World.compose(robot, spec)
 
 
 def _bounds(robot: Robot) -> tuple[np.ndarray, float, float]:

@@ -1,6 +1,6 @@
 """The parts of a scene, put together by MjSpec: models, what hands hold, floor, light, cameras."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import mujoco
@@ -106,7 +106,7 @@ def light(
     spec.visual.headlight.diffuse = (0.22, 0.22, 0.22)
     spec.visual.headlight.specular = (0, 0, 0)
     spec.add_texture(
-        name="sky",
+        name=_free(spec.texture, "sky"),
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
         builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
         rgb1=(0.80, 0.84, 0.89),
@@ -114,18 +114,22 @@ def light(
         width=128,
         height=128 * 6,
     )
-    spec.add_material(name="floor", rgba=(0.9, 0.9, 0.9, 1), specular=0)
-    spec.worldbody.add_geom(
-        name="floor",
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        pos=(0, 0, floor),
-        size=(12, 12, 0.1),
-        material="floor",
-        contype=0,
-        conaffinity=0,
-    )
+    # A robot's file may bring its own floor.
+    if not any(geom.type == mujoco.mjtGeom.mjGEOM_PLANE for geom in spec.geoms):
+        material = spec.add_material(
+            name=_free(spec.material, "floor"), rgba=(0.9, 0.9, 0.9, 1), specular=0
+        )
+        spec.worldbody.add_geom(
+            name=_free(spec.geom, "floor"),
+            type=mujoco.mjtGeom.mjGEOM_PLANE,
+            pos=(0, 0, floor),
+            size=(12, 12, 0.1),
+            material=material.name,
+            contype=0,
+            conaffinity=0,
+        )
     spec.worldbody.add_light(
-        name="key",
+        name=_free(spec.light, "key"),
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
         pos=(1.7, 1.8, 4),
         dir=(-0.35, -0.45, -1),
@@ -134,13 +138,18 @@ def light(
         castshadow=True,
     )
     spec.worldbody.add_light(
-        name="fill",
+        name=_free(spec.light, "fill"),
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
         dir=(-0.6, 0.8, -0.4),
         diffuse=(0.18, 0.18, 0.19),
         specular=(0.1, 0.1, 0.1),
         castshadow=False,
     )
+
+
+def _free(find: Callable[[str], object], name: str) -> str:
+    """A name that is not taken yet in a scene."""
+    return name if find(name) is None else f"tpsim_{name}"
 
 
 def camera(

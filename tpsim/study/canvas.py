@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 PALETTE = ("#2f7fc1", "#e07b39", "#2a9d76", "#a765c2", "#c9506a", "#8a8f3c")
 """Colours that hold on light and dark paper, told apart by colour-blind readers."""
@@ -21,8 +22,10 @@ INK = "#1c1e21"
 PUSH = "#d9a441"
 """Colour of the time of a push."""
 
-LIMIT = {"color": INK, "lw": 1, "ls": (0, (4, 3)), "alpha": 0.7}
-"""Style of the line of a limit."""
+
+def dash(line: Line2D) -> None:
+    """Draw a line as that of a limit."""
+    line.set(color=INK, linewidth=1, linestyle=(0, (4, 3)), alpha=0.7)
 
 
 def to_svg(figure: Figure) -> str:
@@ -66,7 +69,7 @@ def limit_line(axes: Sequence[Axes], limit: float | None) -> None:
         axes[0].set_ylim(0, 1.14 * high)
     if limit is not None:
         for axis in axes:
-            axis.axhline(limit, **LIMIT)
+            dash(axis.axhline(limit))
         axes[-1].annotate(
             f" limit\n {limit:g}",
             (1, limit),

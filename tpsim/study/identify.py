@@ -1,11 +1,13 @@
 """The stiffness that is felt: measured by small static pushes, beside the commanded one."""
 
 import numpy as np
-import pinocchio as pin
 
+from tpsim import rotation
 from tpsim.errors import SimulationError
-from tpsim.sim.controllers.controller import Controller, hand_stiffness
-from tpsim.sim.simulation import Simulation
+from tpsim.robot.state import State
+from tpsim.world.impedance import Controller, Drive, Impedance, hand_stiffness
+from tpsim.world.simulation import Simulation
+from tpsim.world.world import World
 
 SETTLED = 2e-5
 """Joint speed [rad/s] below which the robot counts as at rest."""
@@ -15,9 +17,9 @@ PATIENCE = 20.0
 
 
 def identify_stiffness(
-    simulation: Simulation,
+    world: World,
     controller: Controller,
-    start,
+    start: np.ndarray,
     site: str,
     *,
     force: float = 2.0,
@@ -30,8 +32,9 @@ def identify_stiffness(
 
     Parameters
     ----------
-    simulation : Simulation
+    world : World
     controller : Controller
+        It must command an impedance.
     start : (n,)
         Posture [rad] from which the robot first comes to its own rest.
     site : str
@@ -47,13 +50,13 @@ def identify_stiffness(
     SimulationError
         If the robot does not come to rest, or rests with a saturated motor.
     """
-    robot, handle = simulation.robot, simulation.robot.site(site)
-    body = simulation.attachment(site)[0]
+    simulation = world.simulation()
+    probe = _Probe(simulation, controller, site)
     simulation.reset(start)
-    _rest(simulation, controller, body, handle, np.zeros(6))
+    state, command = probe.rest(np.zeros(6))
     rest = simulation.q.copy()
-    commanded = hand_stiffness(robot.jacobian(handle), controller.impedance().stiffness)
-    R0 = robot.placement(handle)[0].copy()
+    commanded = hand_stiffness(state.jacobian(site), command.stiffness)
+    R0 = state.pose(site).rotation
     compliance = np.empty((6, 6))
     sizes = np.repeat([force, torque], 3)
     for k in range(6):
@@ -62,29 +65,37 @@ def identify_stiffness(
             wrench = np.zeros(6)
             wrench[k] = sign * sizes[k]
             simulation.reset(rest)
-            _rest(simulation, controller, body, handle, wrench)
-            R, p = robot.placement(handle)
-            pose.append(np.concatenate([p, pin.log3(R @ R0.T)]))
+            R, p = probe.rest(wrench)[0].pose(site)
+            pose.append(np.concatenate([p, rotation.log(R @ R0.T)]))
         compliance[:, k] = (pose[0] - pose[1]) / (2 * sizes[k])
     return np.linalg.inv(compliance), commanded
 
 
-def _rest(simulation, controller, body, handle, wrench):
-    robot, limit = simulation.robot, simulation.robot.torque_limit
-    quiet = 0
-    for _ in range(round(PATIENCE / simulation.timestep)):
-        robot.update(simulation.q, simulation.dq)
-        torque = controller.torque()
-        simulation.clear_wrenches()
-        simulation.apply_wrench(body, wrench, robot.placement(handle)[1])
-        # Slow for a whole while, not at the turning point of a swing.
-        quiet = quiet + 1 if np.abs(robot.dq).max() < SETTLED else 0
-        if quiet * simulation.timestep > 0.1:
-            if (np.abs(torque) > limit).any():
-                break
-            return
-        simulation.step(np.clip(torque, -limit, limit))
-    raise SimulationError(
-        f"the robot did not come to rest under {np.round(wrench, 3).tolist()} within its torque "
-        f"limits in {PATIENCE:g} s; push less"
-    )
+class _Probe:
+    """A controller that is pushed at a site until it rests."""
+
+    def __init__(self, simulation: Simulation, controller: Controller, site: str):
+        self._simulation, self._controller, self._site = simulation, controller, site
+        self._body = simulation.attachment(site)[0]
+
+    def rest(self, wrench: np.ndarray) -> tuple[State, Impedance]:
+        """Let the robot come to rest under a wrench (6,)."""
+        simulation, robot = self._simulation, self._simulation.robot
+        drive, limit, quiet = Drive(robot, simulation.timestep), robot.torque_limit, 0
+        for _ in range(round(PATIENCE / simulation.timestep)):
+            state = State(robot, simulation.x, time=simulation.time)
+            command = self._controller.command(state, state.time)
+            torque = drive.torque(command, state)
+            simulation.clear_wrenches()
+            simulation.apply_wrench(self._body, wrench, state.pose(self._site).position)
+            # Slow for a whole while, not at the turning point of a swing.
+            quiet = quiet + 1 if np.abs(state.dq).max() < SETTLED else 0
+            if quiet * simulation.timestep > 0.1:
+                if (np.abs(torque) > limit).any() or not isinstance(command, Impedance):
+                    break
+                return state, command
+            simulation.step(np.clip(torque, -limit, limit))
+        raise SimulationError(
+            f"the robot did not come to rest under {np.round(wrench, 3).tolist()} within its "
+            f"torque limits in {PATIENCE:g} s; push less"
+        )

@@ -1,50 +1,9 @@
-"""Figures of merit: measures with their limits, and what every task measures."""
-
-from dataclasses import dataclass
+"""What is measured of forces and movements, for measures and figures."""
 
 import numpy as np
 
 from tpsim.errors import ArgumentError
-from tpsim.sim.trial import Trial
-
-
-@dataclass(frozen=True)
-class Measure:
-    """One measured figure, and the limit it has to keep.
-
-    Parameters
-    ----------
-    name : str
-        What was measured, in words.
-    value : float or int or None
-        What came out; None where it could not be measured.
-    unit : str
-        Its unit.
-    limit : float, optional
-        The most allowed; with ``at_least`` the least asked.
-    at_least : bool
-        Whether ``limit`` is a floor.
-    """
-
-    name: str
-    value: float | None
-    unit: str = ""
-    limit: float | None = None
-    at_least: bool = False
-
-    @property
-    def passed(self) -> bool | None:
-        """Whether the limit is kept; None without a limit."""
-        if self.limit is None:
-            return None
-        if self.value is None or not np.isfinite(self.value):
-            return False
-        return bool(self.value >= self.limit if self.at_least else self.value <= self.limit)
-
-
-def rms(values: np.ndarray, axis: int | None = None) -> np.ndarray:
-    """Root of the mean square, in the unit of ``values``; over everything or along ``axis``."""
-    return np.sqrt(np.mean(np.square(values), axis=axis))
+from tpsim.world.trial import Trial
 
 
 def interval(wrench: np.ndarray, time: np.ndarray) -> tuple[float, float] | None:
@@ -56,7 +15,7 @@ def interval(wrench: np.ndarray, time: np.ndarray) -> tuple[float, float] | None
 def push_interval(trial: Trial) -> tuple[float, float] | None:
     """First and last time (s) of the push of a trial; None where nothing was pushed."""
     wrench = trial.arrays.get("push_wrench")
-    return None if wrench is None else interval(wrench, trial["time"])
+    return None if wrench is None else interval(wrench, trial.time)
 
 
 def displacement(trial: Trial, twin: Trial, point: str) -> np.ndarray:
@@ -69,10 +28,11 @@ def displacement(trial: Trial, twin: Trial, point: str) -> np.ndarray:
     point : str
         Name of a position signal, such as ``"left_hand_position"``.
     """
-    length = min(len(trial["time"]), len(twin["time"]))
-    if not np.array_equal(trial["time"][:length], twin["time"][:length]):
+    length = min(len(trial.time), len(twin.time))
+    if not np.array_equal(trial.time[:length], twin.time[:length]):
         raise ArgumentError("the trial and its twin were recorded on different clocks")
-    return np.linalg.norm(trial[point][:length] - twin[point][:length], axis=-1)
+    moved: np.ndarray = trial[point][:length] - twin[point][:length]
+    return np.linalg.norm(moved, axis=-1)
 
 
 def work(wrench: np.ndarray, position: np.ndarray) -> float:

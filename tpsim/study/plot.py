@@ -11,16 +11,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tpsim.errors import ArgumentError
-from tpsim.experiment.canvas import INK, LIMIT, PUSH, colours, legend, limit_line, new_figure
-from tpsim.experiment.metrics import push_interval
-from tpsim.sim.trial import Trial
+from tpsim.study.canvas import INK, PUSH, colours, dash, legend, limit_line, new_figure
+from tpsim.study.metrics import push_interval
+from tpsim.study.record import Record
 
-Scalar = Callable[[Trial], np.ndarray]
-"""What is drawn over time: a function from a trial to (T,)."""
+Scalar = Callable[[Record], np.ndarray]
+"""What is drawn over time: a function from a record to (T,)."""
 
 
 def panels(
-    groups: Mapping[str, Sequence[Trial]],
+    groups: Mapping[str, Sequence[Record]],
     scalar: Scalar,
     *,
     label: str,
@@ -30,10 +30,10 @@ def panels(
 
     Parameters
     ----------
-    groups : mapping of str to sequence of Trial
+    groups : mapping of str to sequence of Record
         Trials under a heading, such as a controller's name.
     scalar : callable
-        From a trial to (T,).
+        From a record to (T,).
     label : str
         Name and unit of the scalar, ``"tilt [deg]"``.
     limit : float, optional
@@ -41,16 +41,16 @@ def panels(
     """
     _some(groups)
     figure, axes = new_figure(columns=len(groups), height=2.5)
-    for axis, (heading, trials), colour in zip(axes, groups.items(), colours(groups), strict=True):
-        curves = [np.asarray(scalar(trial)) for trial in trials]
-        for trial, curve in zip(trials, curves, strict=True):
-            axis.plot(trial["time"], curve, color=colour, lw=0.7, alpha=_faint(len(trials)))
+    for axis, (heading, records), colour in zip(axes, groups.items(), colours(groups), strict=True):
+        curves = [np.asarray(scalar(record)) for record in records]
+        for record, curve in zip(records, curves, strict=True):
+            axis.plot(record["time"], curve, color=colour, lw=0.7, alpha=_faint(len(records)))
         # A trial that was cut short would cut the median short.
         whole = max(map(len, curves), default=0)
         if len(kept := [curve for curve in curves if len(curve) == whole]) > 2:
-            clock = next(trial["time"] for trial in trials if len(trial["time"]) == whole)
+            clock = next(record["time"] for record in records if len(record["time"]) == whole)
             axis.plot(clock, np.median(kept, axis=0), color=colour, lw=2.0)
-        _shade_push(axis, trials)
+        _shade_push(axis, records)
         axis.set_title(heading, color=INK, fontsize=9.5, loc="left", fontweight="bold")
         axis.set_xlabel("time [s]", color=INK)
     limit_line(axes, limit)
@@ -59,21 +59,21 @@ def panels(
 
 
 def overlay(
-    trials: Mapping[str, Trial], scalar: Scalar, *, label: str, limit: float | None = None
+    records: Mapping[str, Record], scalar: Scalar, *, label: str, limit: float | None = None
 ) -> Figure:
     """Draw a scalar over time for several trials in one panel, such as one per controller.
 
     Parameters are those of :func:`panels`, with one trial under each heading.
     """
-    _some(trials)
+    _some(records)
     figure, (axis,) = new_figure(height=2.7)
-    for (name, trial), colour in zip(trials.items(), colours(trials), strict=True):
-        axis.plot(trial["time"], scalar(trial), color=colour, lw=1.8, label=name)
-    return _finish(figure, axis, list(trials.values()), label, limit)
+    for (name, record), colour in zip(records.items(), colours(records), strict=True):
+        axis.plot(record["time"], scalar(record), color=colour, lw=1.8, label=name)
+    return _finish(figure, axis, list(records.values()), label, limit)
 
 
 def signals(
-    trial: Trial, scalars: Mapping[str, Scalar], *, label: str, limit: float | None = None
+    record: Record, scalars: Mapping[str, Scalar], *, label: str, limit: float | None = None
 ) -> Figure:
     """Draw several scalars of one trial over time in one panel, such as stiffness along x, y, z.
 
@@ -82,8 +82,8 @@ def signals(
     _some(scalars)
     figure, (axis,) = new_figure(height=2.7)
     for (name, scalar), colour in zip(scalars.items(), colours(scalars), strict=True):
-        axis.plot(trial["time"], scalar(trial), color=colour, lw=1.8, label=name)
-    return _finish(figure, axis, [trial], label, limit)
+        axis.plot(record["time"], scalar(record), color=colour, lw=1.8, label=name)
+    return _finish(figure, axis, [record], label, limit)
 
 
 def paired_bars(
@@ -146,7 +146,7 @@ def strips(
     axis.tick_params(axis="y", length=0)
     axis.set_xlim(left=0)
     if limit is not None:
-        axis.axvline(limit, **LIMIT)
+        dash(axis.axvline(limit))
         axis.annotate(
             f"limit {limit:g}",
             (limit, 1),
@@ -161,9 +161,9 @@ def strips(
 
 
 def _finish(
-    figure: Figure, axis: Axes, trials: Sequence[Trial], label: str, limit: float | None
+    figure: Figure, axis: Axes, records: Sequence[Record], label: str, limit: float | None
 ) -> Figure:
-    _shade_push(axis, trials)
+    _shade_push(axis, records)
     limit_line([axis], limit)
     axis.set_xlabel("time [s]", color=INK)
     axis.set_ylabel(label, color=INK)
@@ -171,9 +171,9 @@ def _finish(
     return figure
 
 
-def _shade_push(axis: Axes, trials: Sequence[Trial]) -> None:
+def _shade_push(axis: Axes, records: Sequence[Record]) -> None:
     axis.margins(x=0)
-    pushes = [push for trial in trials if (push := push_interval(trial))]
+    pushes = [push for record in records if (push := push_interval(record.trial))]
     if not pushes:
         return
     start, end = min(p[0] for p in pushes), max(p[1] for p in pushes)
@@ -195,6 +195,6 @@ def _faint(count: int) -> float:
     return max(0.18, min(0.8, 8 / max(count, 1)))
 
 
-def _some(groups: Mapping) -> None:
+def _some(groups: Mapping[str, object]) -> None:
     if not groups:
         raise ArgumentError("nothing to draw: give at least one label with its values")

@@ -7,13 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from typing import TypeGuard
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from tpsim.experiment.canvas import to_svg
-from tpsim.experiment.doctor import versions
-from tpsim.experiment.metrics import Measure
+from tpsim.study.canvas import to_svg
+from tpsim.study.measure import Result
+from tpsim.versions import versions
 from tpsim.whole import write_text
 
 NO_FILM = "There is no film. To see why, type tpsim doctor; it was perhaps not asked for."
@@ -46,7 +47,7 @@ def write_report(
     title: str,
     command: str,
     sections: Sequence[Section] = (),
-    figures: Sequence[Measure] = (),
+    figures: Sequence[Result] = (),
     film: Path | None = None,
     no_film: str = NO_FILM,
     lead: str = "",
@@ -65,7 +66,7 @@ def write_report(
         The command line that repeats what is reported.
     sections : sequence of Section
         What ran and what came out.
-    figures : sequence of Measure
+    figures : sequence of Result
         The table of figures, with limits and whether they are kept.
     film : Path, optional
         An MP4 file to embed.
@@ -93,7 +94,7 @@ def write_report(
             _repeat(command),
         )
     )
-    style = resources.files("tpsim.experiment").joinpath("report.css").read_text()
+    style = resources.files("tpsim.study").joinpath("report.css").read_text()
     page = (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
@@ -103,7 +104,7 @@ def write_report(
     return write_text(Path(path), page)
 
 
-def _header(title: str, lead: str, about: Mapping[str, object], figures: Sequence[Measure]) -> str:
+def _header(title: str, lead: str, about: Mapping[str, object], figures: Sequence[Result]) -> str:
     facts = [f"<span>{_safe(key)} <b>{_safe(value)}</b></span>" for key, value in about.items()]
     judged = [figure.passed for figure in figures if figure.passed is not None]
     if judged:
@@ -126,7 +127,7 @@ def _film(film: Path | None, hint: str) -> str:
     )
 
 
-def _figures_table(figures: Sequence[Measure]) -> str:
+def _figures_table(figures: Sequence[Result]) -> str:
     if not figures:
         return ""
     rows = "\n".join(map(_figures_row, figures))
@@ -137,26 +138,26 @@ def _figures_table(figures: Sequence[Measure]) -> str:
     )
 
 
-def _figures_row(measure: Measure) -> str:
+def _figures_row(result: Result) -> str:
     limit = meter = verdict = ""
-    if measure.limit is not None:
-        sign = "≥" if measure.at_least else "≤"
-        kind = "pass" if measure.passed else "fail"
-        limit = f"{sign} {_number(measure.limit)}"
-        verdict = f'<span class="{kind}">{"kept" if measure.passed else "missed"}</span>'
-        meter = _meter(measure, kind)
+    if result.limit is not None:
+        sign = "≥" if result.at_least else "≤"
+        kind = "pass" if result.passed else "fail"
+        limit = f"{sign} {_number(result.limit)}"
+        verdict = f'<span class="{kind}">{"kept" if result.passed else "missed"}</span>'
+        meter = _meter(result, kind)
     return (
-        f'<tr><td>{_safe(measure.name)}</td><td class="number"><b>{_number(measure.value)}</b></td>'
-        f'<td class="unit">{_safe(measure.unit)}</td>'
+        f'<tr><td>{_safe(result.title)}</td><td class="number"><b>{_number(result.value)}</b></td>'
+        f'<td class="unit">{_safe(result.unit)}</td>'
         f'<td class="number">{limit}</td><td>{meter}</td><td>{verdict}</td></tr>'
     )
 
 
-def _meter(measure: Measure, kind: str) -> str:
+def _meter(result: Result, kind: str) -> str:
     """Draw a bar whose mark is the limit, at two thirds of its length."""
-    if measure.value is None or not measure.limit or not np.isfinite(measure.value):
+    if result.value is None or not result.limit or not np.isfinite(result.value):
         return ""
-    share = min(max(measure.value / measure.limit, 0.0) * 200 / 3, 100.0)
+    share = min(max(result.value / result.limit, 0.0) * 200 / 3, 100.0)
     return f'<span class="meter {kind}"><i style="width:{share:.1f}%"></i></span>'
 
 
@@ -197,12 +198,11 @@ def _table(rows: Sequence[Mapping[str, object]]) -> str:
 
 
 def _cell(value: object, tag: str = "td", right: bool | None = None) -> str:
-    number = _is_number(value)
-    kind = ' class="number"' if (number if right is None else right) else ""
-    return f"<{tag}{kind}>{_number(value) if number else _safe(value)}</{tag}>"
+    kind = ' class="number"' if (_is_number(value) if right is None else right) else ""
+    return f"<{tag}{kind}>{_number(value) if _is_number(value) else _safe(value)}</{tag}>"
 
 
-def _is_number(value: object) -> bool:
+def _is_number(value: object) -> TypeGuard[float]:
     return isinstance(value, int | float | np.number) and not isinstance(value, bool)
 
 

@@ -3,7 +3,6 @@
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import ClassVar, Self
@@ -11,7 +10,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from tpsim.demonstration import Demonstration
-from tpsim.errors import SimulationError
+from tpsim.errors import ArgumentError, SimulationError
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.robot.views.view import View, observe
 from tpsim.world.impedance import Controller
@@ -95,6 +94,10 @@ class Goal:
     since: float = 0.0
     until: float = np.inf
 
+    def __post_init__(self) -> None:
+        if not self.within > 0:
+            raise ArgumentError(f"goal within is {self.within}; it must be positive")
+
 
 class Task(ABC):
     """A task; a subclass is a frozen dataclass, and its fields are its parameters.
@@ -153,7 +156,7 @@ class Task(ABC):
 
     def in_world(self, world: World) -> Self:
         """The same task in another world, such as that of a recording."""
-        task = copy(self)
+        task = replace(self)  # type: ignore[type-var]  # subclasses are dataclasses
         # Not a field of the value, so the frozen dataclass does not mind.
         task.__dict__["stage"] = world
         return task
@@ -189,13 +192,18 @@ def draw_situation(
             found = draw(world, rng)
             start = np.array(found.start)
             simulation.reset(start)
-        except SimulationError:
+        except SimulationError as error:
+            why = str(error)
             continue
-        if simulation.data.ncon == 0 and world.robot.is_comfortable(start):
+        if simulation.data.ncon:
+            why = f"{simulation.touching} touch"
+        elif not world.robot.is_comfortable(start):
+            why = "a joint is near its limit, or gravity takes most of a motor's torque"
+        else:
             return replace(found, seed=seed, index=index)
     raise SimulationError(
         f"task '{task.name}' found no start posture that the robot can reach without contact "
-        f"in {DRAWS} draws; give its workspace less range"
+        f"in {DRAWS} draws; give its workspace less range. The last draw: {why}"
     )
 
 

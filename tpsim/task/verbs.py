@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from tpsim.errors import ArgumentError
 from tpsim.learning.tp_gmm import TPGMM
+from tpsim.task.check import check
 from tpsim.task.task import Models, Situation, Task, demonstration
 from tpsim.world.episode import Person
 from tpsim.world.impedance import Controller
@@ -41,11 +42,12 @@ def teach(
     SimulationError
         If too many demonstrations are useless.
     """
+    check(task)
     found = task.behaviours()
     taught = {}
     for name in found if behaviours is None else behaviours:
         tell = None if progress is None else _telling(progress, name)
-        taught[name] = teach_lessons(
+        shown = teach_lessons(
             task.stage,
             found[name].teacher,
             task.demonstrations if count is None else count,
@@ -53,6 +55,7 @@ def teach(
             sites=task.sites(),
             progress=tell,
         )
+        taught[name] = [trial.with_about(behaviour=name) for trial in shown]
     return taught
 
 

@@ -1,38 +1,15 @@
-"""The tasks that are taught, learned and reproduced.
+"""The built-in tasks, each with its study; they use nothing that a user cannot."""
 
-``names()`` is cheap; ``load(name)`` imports what the task needs.
-"""
-
-from importlib import import_module
-
-from tpsim.errors import ArgumentError
-
-_ROOMS = {
-    "cup": "cup_and_sugar",
-    "sugar": "cup_and_sugar",
-    "cup-and-sugar": "cup_and_sugar",
-    "pointing": "pointing",
-    "pointing-baxter": "pointing",
-    "tracking": "tracking",
-    "tracking-left": "tracking",
-    "tracking-right": "tracking",
-    "tracking-compromise": "tracking",
-    "transfer": "transfer",
+STUDIES = {
+    "cup-and-sugar": "tpsim.tasks.cup_and_sugar.study:cup_and_sugar",
+    "cup": "tpsim.tasks.cup_and_sugar.study:cup",
+    "sugar": "tpsim.tasks.cup_and_sugar.study:sugar",
+    "pointing": "tpsim.tasks.pointing.study:planar",
+    "pointing-baxter": "tpsim.tasks.pointing.study:baxter",
+    "tracking": "tpsim.tasks.tracking.study:tracking",
+    "tracking-left": "tpsim.tasks.tracking.study:left",
+    "tracking-right": "tpsim.tasks.tracking.study:right",
+    "tracking-compromise": "tpsim.tasks.tracking.study:compromise",
+    "transfer": "tpsim.tasks.transfer.study:transfer",
 }
-
-
-def names() -> tuple[str, ...]:
-    """Names of all tasks."""
-    return tuple(_ROOMS)
-
-
-def room(name: str) -> str:
-    """Name of the module in which the task called ``name`` lives."""
-    if name not in _ROOMS:
-        raise ArgumentError(f"there is no task '{name}'; choose one of {', '.join(names())}")
-    return _ROOMS[name]
-
-
-def load(name: str):
-    """The :class:`tpsim.tasks.task.Task` called ``name``."""
-    return import_module(f"tpsim.tasks.{room(name)}").task(name)
+"""Built-in studies by their short names, for :func:`tpsim.study.reference.load_study`."""

@@ -57,6 +57,8 @@ class Episode:
         Where the robot is, which people feel and recordings keep; sensors may say otherwise.
     saturated, contacts : int
         Time steps so far in which a motor was at its limit, and in which something touched.
+    touched : str
+        The first two bodies that touched, such as ``"upper_arm and table"``.
     """
 
     def __init__(
@@ -78,9 +80,11 @@ class Episode:
         simulation = self.simulation
         simulation.reset(start)
         self._step = self.saturated = self.contacts = 0
-        self._sensors = Sensors(self._plant, simulation.timestep)
+        self.touched = ""
+        exact, at_once = self._plant.encoder_bits is None, self._plant.latency == 0
+        self._sensors = None if exact else Sensors(self._plant, simulation.timestep)
         held = simulation.robot.gravity_torque(start)
-        self._delay = Delay(self._plant, simulation.timestep, held)
+        self._delay = None if at_once else Delay(self._plant, simulation.timestep, held)
 
     def sense(self) -> State:
         """Move the objects to where they are now; return what the robot senses."""
@@ -88,8 +92,9 @@ class Episode:
         self._objects.act(self._step)
         x, seen, time = simulation.x, self._objects.now, simulation.time
         self.truth = State(simulation.robot, x, seen, time)
-        measured = self._sensors.measure(x)
-        return self.truth if measured is x else State(simulation.robot, measured, seen, time)
+        if self._sensors is None:
+            return self.truth
+        return State(simulation.robot, self._sensors.measure(x), seen, time)
 
     @property
     def diverged(self) -> bool:
@@ -105,7 +110,8 @@ class Episode:
             self.simulation.clear_wrenches()
             for person in self.people:
                 person.act(self._step, self.truth)
-        wanted = self._delay.pass_on(wanted)
+        if self._delay is not None:
+            wanted = self._delay.pass_on(wanted)
         # Not a number is not within the limit either.
         if np.count_nonzero(np.abs(wanted) <= self._limit) == len(wanted):
             return wanted
@@ -115,5 +121,7 @@ class Episode:
     def advance(self, torque: np.ndarray) -> None:
         """Let one time step pass with joint torques (n,) [Nm] within the motors' limits."""
         self.simulation.step(torque)
-        self.contacts += self.simulation.data.ncon > 0
+        if self.simulation.data.ncon:
+            self.contacts += 1
+            self.touched = self.touched or self.simulation.touching
         self._step += 1

@@ -131,5 +131,8 @@ def hand_stiffness(J: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
     felt = np.zeros((*J.shape[:-2], 6, 6))
     stiff = stiffness.any(axis=(-1, -2))
     compliance = J[stiff] @ np.linalg.solve(stiffness[stiff], J[stiff].mT)
-    felt[stiff] = np.linalg.pinv(compliance, rcond=1e-10)
+    if not stiff.any():
+        return felt
+    full = np.linalg.matrix_rank(J.reshape(-1, *J.shape[-2:])[0]) == 6
+    felt[stiff] = np.linalg.inv(compliance) if full else np.linalg.pinv(compliance, rcond=1e-10)
     return felt

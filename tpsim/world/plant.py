@@ -106,9 +106,9 @@ def _add_mass(model: mujoco.MjModel, site: int, mass: float) -> None:
         return
     body = model.site_bodyid[site]
     m, c = model.body_mass[body], model.body_ipos[body].copy()
-    R = np.empty(9)
-    mujoco.mju_quat2Mat(R, model.body_iquat[body])
-    R = R.reshape(3, 3)
+    flat = np.empty(9)
+    mujoco.mju_quat2Mat(flat, model.body_iquat[body])
+    R = flat.reshape(3, 3)
     inertia = R @ np.diag(model.body_inertia[body]) @ R.T
     point = model.site_pos[site]
     centre = (m * c + mass * point) / (m + mass)
@@ -127,7 +127,7 @@ def _steiner(mass: float, d: np.ndarray) -> np.ndarray:
 
 
 class Sensors:
-    """What encoders say of joints: exact, or quantised angles with filtered differences.
+    """What encoders say of joints: quantised angles, and filtered differences of these.
 
     Parameters
     ----------
@@ -137,16 +137,14 @@ class Sensors:
     """
 
     def __init__(self, plant: Plant, timestep: float):
-        bits = plant.encoder_bits
-        self._step = None if bits is None else 2 * np.pi / 2**bits
+        assert plant.encoder_bits is not None
+        self._step = 2 * np.pi / 2**plant.encoder_bits
         self._timestep = timestep
         self._keep = float(np.exp(-2 * np.pi * plant.velocity_cutoff * timestep))
         self._last: np.ndarray | None = None
 
     def measure(self, x: np.ndarray) -> np.ndarray:
         """Angles over velocities (2 n,) as they are measured."""
-        if self._step is None:
-            return x
         n = len(x) // 2
         q = self._step * np.round(x[:n] / self._step)
         if self._last is None:
@@ -176,7 +174,5 @@ class Delay:
 
     def pass_on(self, torque: np.ndarray) -> np.ndarray:
         """Take the torque of now, give the one that arrives now."""
-        if not self._waiting:
-            return torque
         self._waiting.append(torque)
         return self._waiting.popleft()

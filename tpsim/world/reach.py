@@ -67,8 +67,8 @@ def reach(
         velocity = mink.solve_ik(configuration, [*tasks, prefer], 0.05, "daqp", 1e-6, limits=limits)
         configuration.integrate_inplace(velocity, 0.05)
         errors = [task.compute_error(configuration) for task in tasks]
-        position = max(np.linalg.norm(error[:3]) for error in errors)
-        angle = max(np.linalg.norm(error[3:]) for error in errors)
+        position = max(float(np.linalg.norm(error[:3])) for error in errors)
+        angle = max(float(np.linalg.norm(error[3:])) for error in errors)
         if i > 100 and position < tolerance[0] and angle < tolerance[1]:
             found: np.ndarray = configuration.q[robot.qpos].copy()
             return found

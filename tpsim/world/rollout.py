@@ -83,4 +83,4 @@ def rollout(
         episode.advance(torque)
     if episode.contacts and outcome == "done":
         outcome = "contact"
-    return Trial(log.arrays(), outcome, log.channels)
+    return Trial(log.arrays(), outcome, log.channels, touched=episode.touched)

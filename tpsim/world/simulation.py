@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from tpsim.errors import SimulationError
-from tpsim.robot.robot import Robot
+from tpsim.robot.robot import Robot, as_slice
 
 
 class Simulation:
@@ -35,8 +35,8 @@ class Simulation:
             for body, row in enumerate(model.body_mocapid)
             if row >= 0
         }
-        self._qpos, self._dof = _as_slice(robot.qpos), _as_slice(robot.dof)
-        self._actuator = _as_slice(robot.actuator)
+        self._qpos, self._dof = as_slice(robot.qpos), as_slice(robot.dof)
+        self._actuator = as_slice(robot.actuator)
         # Views of MuJoCo's own memory: looking attributes up costs more than reading them.
         self._states = self.data.qpos, self.data.qvel, self.data.ctrl
         self.timestep = float(model.opt.timestep)
@@ -101,6 +101,12 @@ class Simulation:
         position = self.model.site_pos[site].copy()
         return int(self.model.site_bodyid[site]), R.reshape(3, 3), position
 
+    @property
+    def touching(self) -> str:
+        """Two bodies that touch now, such as ``"upper_arm and table"``."""
+        (contact, *_), model = self.data.contact, self.model
+        return " and ".join(model.body(model.geom_bodyid[g]).name for g in contact.geom)
+
     def clear_wrenches(self) -> None:
         """Take away all wrenches from outside."""
         self.data.xfrc_applied[:] = 0
@@ -121,10 +127,3 @@ class Simulation:
         self._states[2][self._actuator] = torque
         mujoco.mj_step(self.model, self.data)
 
-
-def _as_slice(index: np.ndarray) -> slice | np.ndarray:
-    """Indices (k,) as a slice, where they follow each other: it selects a view, and faster."""
-    first = int(index[0])
-    if np.array_equal(index, np.arange(first, first + len(index))):
-        return slice(first, first + len(index))
-    return index

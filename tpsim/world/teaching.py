@@ -1,5 +1,6 @@
 """Simulated kinesthetic teaching: weightless arms, led by a person's hands."""
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -81,6 +82,20 @@ def _verdict(robot: Robot, trial: Trial) -> str:
     return "done"
 
 
+def show(
+    world: World,
+    teacher: Teacher,
+    attempt: int,
+    *,
+    seed: int,
+    sites: Mapping[str, str] | None = None,
+) -> Trial:
+    """Attempt ``attempt`` of a seed: draws from ``SeedSequence(seed, spawn_key=(attempt,))``."""
+    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(attempt,)))
+    trial = demonstrate(world, teacher(world, rng), sites)
+    return trial.with_about(seed=seed, attempt=attempt)
+
+
 def teach(
     world: World,
     teacher: Teacher,
@@ -92,8 +107,7 @@ def teach(
 ) -> list[Trial]:
     """Teach until ``count`` demonstrations are good; those that are not are shown again.
 
-    Attempt i draws from ``SeedSequence(seed, spawn_key=(i,))``, so any demonstration can be
-    repeated alone.
+    Any attempt can be repeated alone by :func:`show`.
 
     Parameters
     ----------
@@ -120,23 +134,27 @@ def teach(
     """
     if count < 1:
         raise ArgumentError(f"{count} demonstrations were asked for; ask for at least 1")
-    trials, outcomes = [], []
+    trials: list[Trial] = []
+    failures: Counter[str] = Counter()
+    last = ""
     for attempt in range(ATTEMPTS * count):
-        rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(attempt,)))
         try:
-            trial = demonstrate(world, teacher(world, rng), sites)
-        except SimulationError:
+            trial = show(world, teacher, attempt, seed=seed, sites=sites)
+        except SimulationError as error:
             outcome = "unreachable"
+            failures[outcome], last = failures[outcome] + 1, f"; the last error: {error}"
         else:
             outcome = trial.outcome
             if outcome == "done":
-                trials.append(trial.with_about(seed=seed, attempt=attempt))
-        outcomes.append(outcome)
+                trials.append(trial)
+            else:
+                failures[f"contact of {trial.touched}" if trial.touched else outcome] += 1
         if progress is not None:
             progress(attempt, outcome)
         if len(trials) == count:
             return trials
     raise SimulationError(
-        f"only {len(trials)} of {count} demonstrations were good; "
-        f"the last attempts ended with {outcomes[-5:]}"
+        f"only {len(trials)} of {count} demonstrations were good; the others: "
+        + ", ".join(f"{times} {why}" for why, times in failures.most_common(3))
+        + last
     )

@@ -46,12 +46,15 @@ class Trial:
     channels : Channels
     about : dict
         What is needed to run it again, as plain JSON values.
+    touched : str
+        The first two bodies that touched, where something did; recordings do not keep it.
     """
 
     arrays: Mapping[str, np.ndarray]
     outcome: str = "done"
     channels: Channels = Channels()
     about: Mapping[str, object] = field(default_factory=dict)
+    touched: str = ""
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Return the signal called ``name``."""

@@ -1,17 +1,20 @@
 """Carrying between two docks, taught by a hand, performed where the docks never were."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tpsim import rotation, tasks
-from tpsim.errors import ArgumentError
-from tpsim.experiment.studies import study as study_of
-from tpsim.experiment.studies.transfer import end, path_rms
-from tpsim.sim.objects import ObjectPath
-from tpsim.sim.teach import teach
-from tpsim.tasks import docks
+from tpsim import rotation
+from tpsim.study.record import Records
+from tpsim.study.study import Lab, Plan
+from tpsim.study.executor import perform_condition
+from tpsim.task.task import draw_situation
+from tpsim.task.verbs import learn, perform, teach
+from tpsim.tasks.transfer import docks
+from tpsim.tasks.transfer.study import MEASURES, path_rms, study
+from tpsim.tasks.transfer.task import Transfer
+from tpsim.world.object_path import ObjectPath
 
 TAUGHT = 6
 
@@ -19,26 +22,24 @@ JUMP, AWAY = np.array([0.03, 0.08, 0.06]), np.array([0.5, 0.0, 0.1])
 
 
 @pytest.fixture(scope="module")
-def taught():
+def lab():
     """The arm, taught half as often as in a whole run, and its model."""
-    task = tasks.load("transfer")
-    simulation = task.simulation()
-    trials = teach(
-        simulation,
-        lambda simulation, rng: task.lesson(simulation, "transfer", rng),
-        TAUGHT,
-        seed=0,
-        sites=task.sites,
-    )
-    model = task.learn(simulation, "transfer", trials, task.components)
-    return task, simulation, {"transfer": model}, trials
+    task = Transfer()
+    taught = teach(task, TAUGHT)
+    return Lab(study(task), learn(task, taught), taught)
+
+
+def measured(lab, pairs):
+    """Figures of pairs of condition and trial."""
+    records = Records(lab.task, lab.models, pairs)
+    return {m.name: m.figure(records) for m in MEASURES}, records
 
 
 def elsewhere(situation, positions, times):
     """The situation with the second dock on a path."""
-    first, second = (ObjectPath(**path) for path in situation.details["objects"])
+    first, second = situation.objects
     path = ObjectPath("end", positions, times, second.quaternions * len(times))
-    return replace(situation, details={"objects": [asdict(first), asdict(path)]})
+    return replace(situation, objects=(first, path))
 
 
 def test_far_situations_are_twice_as_far_as_taught_ones_from_each_other():
@@ -62,10 +63,9 @@ def test_far_situations_are_twice_as_far_as_taught_ones_from_each_other():
     assert away == pytest.approx(2 * apart, rel=0.05)
 
 
-def test_each_dock_is_precise_where_the_hand_is_in_it(taught):
+def test_each_dock_is_precise_where_the_hand_is_in_it(lab):
     """What the covariance says once the time is known: no number of it was set by hand."""
-    _, _, models, _ = taught
-    model = models["transfer"]
+    model = lab.models["transfer"]
     order = np.argsort(model.frames[0].mean[:, 0])
     deviations = []
     for frame in (0, 2):
@@ -77,57 +77,51 @@ def test_each_dock_is_precise_where_the_hand_is_in_it(taught):
     assert start_last > 10 * start_first and end_first > 10 * end_last
 
 
-def test_unseen_docks_near_and_far_moved_and_a_pushed_arm(taught):
-    task, simulation, models, _ = taught
-    study = study_of("transfer")
-    (conditions,) = study.phases(simulation, models, 7, 1, 1)
-    records = [(c, c.perform(task, simulation, models)) for c in conditions]
-    assert {c.label for c, _ in records} == {"unpushed", "moved", "far", "pushed"}
-    figures = study.figures(records, models)
+def test_unseen_docks_near_and_far_moved_and_a_pushed_arm(lab):
+    (conditions,) = lab.study.conditions(lab, Plan(seed=7, situations=1, pushes=1))
+    pairs = [(c, perform_condition(lab.study, lab.models, c)) for c in conditions]
+    assert {c.label for c, _ in pairs} == {"unpushed", "taught", "moved", "far", "pushed"}
+    figures, records = measured(lab, pairs)
     for name in ("end", "end_pushed", "end_moved", "end_far"):
         assert figures[f"{name}_mm"] < 5.0
         assert figures[f"{name}_deg"] < 3.0
     assert figures["path_rms_mm"] < 30.0
     assert figures["path_pushed_rms_mm"] < 30.0
     assert not any(figures[name] for name in ("saturated_steps", "diverged", "contacts"))
-    pushed = next(t for c, t in records if c.label == "pushed")
-    still = next(t for c, t in records if c.label == "unpushed" and c.controller == "learned")
+    (pushed,), (still,) = records.select("pushed"), records.select("unpushed")
     apart = np.linalg.norm(pushed["left_hand_position"] - still["left_hand_position"], axis=1)
     assert 0.005 < apart.max() < 0.1
-    assert study.sections(records, models)
-    assert {clip.title for clip in study.clips(simulation, models, records, {})} == {"Reproduction"}
+    assert lab.study.sections(records)
+    shown = lab.study.clips(replace(lab, taught={}), records)
+    assert {clip.title for clip in shown} == {"Reproduction"}
 
 
-def test_a_dock_that_jumps_while_the_hand_is_in_it_is_found_again(taught):
-    task, simulation, models, _ = taught
-    situation = task.situation(simulation, 8, 0)
-    home = np.array(situation.details["objects"][1]["positions"][0])
+def test_a_dock_that_jumps_while_the_hand_is_in_it_is_found_again(lab):
+    situation = draw_situation(lab.task, 8, 0)
+    home = np.array(situation.objects[1].positions[0])
     jump = elsewhere(situation, (home, home, home + JUMP), (0.0, 6.2, 6.2))
-    trial = task.perform(simulation, models, jump)
+    trial = perform(lab.task, lab.models, jump)
     assert trial.outcome == "done"
-    assert end(trial)[0] < 5.0
+    assert np.linalg.norm(trial["end_position"][-1] - trial["left_hand_position"][-1]) < 5e-3
 
 
-def test_a_dock_out_of_reach_is_said_and_the_arm_stays_bounded(taught):
-    task, simulation, models, _ = taught
-    situation = task.situation(simulation, 8, 1)
-    home = np.array(situation.details["objects"][1]["positions"][0])
+def test_a_dock_out_of_reach_is_said_and_the_arm_stays_bounded(lab):
+    situation = draw_situation(lab.task, 8, 1)
+    home = np.array(situation.objects[1].positions[0])
     away = elsewhere(situation, (home, home + AWAY), (2.0, 5.0))
-    trial = task.perform(simulation, models, away)
+    trial = perform(lab.task, lab.models, away)
     assert trial.outcome == "unreachable"
     assert trial["beyond_limits"].any() or trial["saturated_steps"][-1]
     assert np.abs(trial["dq"]).max() < 10.0
     assert all(np.isfinite(array).all() for array in trial.arrays.values())
 
 
-def test_the_teacher_shows_the_same_way_again_and_others_are_refused(taught):
-    task, simulation, models, _ = taught
-    situation = task.situation(simulation, 8, 0)
-    first, again = (
-        task.perform(simulation, models, situation, controller="teacher") for _ in range(2)
-    )
+def test_the_teacher_shows_the_same_way_again(lab):
+    (conditions,) = lab.study.conditions(lab, Plan(seed=8, situations=1, pushes=0))
+    taught = next(c for c in conditions if c.label == "taught")
+    first, again = (perform_condition(lab.study, lab.models, taught) for _ in range(2))
     assert first.outcome == "done"
-    assert end(first)[0] < 10.0
-    assert path_rms(first, again) == 0.0
-    with pytest.raises(ArgumentError, match="no controller 'stiff'"):
-        task.perform(simulation, models, situation, controller="stiff")
+    unpushed = next(c for c in conditions if c.label == "unpushed")
+    _, records = measured(lab, [(unpushed, first), (taught, again)])
+    assert path_rms(records[0]) == 0.0
+    assert np.linalg.norm(first["end_position"][-1] - first["left_hand_position"][-1]) < 0.01

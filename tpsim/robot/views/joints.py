@@ -7,7 +7,7 @@ import numpy as np
 from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
-from tpsim.robot.views.view import DAMPING, Seen, View, through_nullspace
+from tpsim.robot.views.view import DAMPING, Seen, View, stacked_rows, through_nullspace
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,12 @@ class Joints(View):
 
     def see(self, state: State) -> Seen:
         """Value and Jacobian at a state."""
-        index = state.robot.index(self.names)
-        return Seen(state.q[index], np.eye(state.robot.n)[index], np.zeros(len(index)))
+        index = state.robot.span(self.names)
+        rows = self.resolved(state.robot, self._rows)
+        return Seen(state.q[index], rows, np.zeros(len(rows)))
+
+    def _rows(self, robot: Robot) -> np.ndarray:
+        return np.eye(robot.n)[robot.index(self.names)]
 
     def spare(
         self,
@@ -93,8 +97,8 @@ class Spare(View):
     def see(self, state: State) -> Seen:
         """Value and Jacobian at a state."""
         robot = state.robot
-        index, q_0 = robot.index(self.names), self._origin(robot)
-        J_first = np.concatenate([view(state).jacobian for view in self.first])[:, index]
+        index, q_0 = robot.span(self.names), self._origin(robot)
+        J_first = stacked_rows(self.first, state)[:, index]
         rows = through_nullspace(self.resolved(robot, self._basis), J_first, self.damping)
         if not self.free:
             rows = _orthonormal(rows)
@@ -105,7 +109,7 @@ class Spare(View):
     def _origin(self, robot: Robot) -> np.ndarray:
         if self.origin is not None:
             return np.array(self.origin)
-        return robot.home[robot.index(self.names)]
+        return robot.home[robot.span(self.names)]
 
     def _basis(self, robot: Robot) -> np.ndarray:
         """Rows (k, m): the free joints, or a basis of the nullspace at q_0."""
@@ -116,7 +120,7 @@ class Spare(View):
         q = robot.home.copy()
         q[index] = self._origin(robot)
         state = robot.at(q)
-        J = np.concatenate([view(state).jacobian for view in self.first])[:, index]
+        J = stacked_rows(self.first, state)[:, index]
         singular, Vt = np.linalg.svd(J)[1:]
         rank = int((singular > self.damping).sum())
         if rank == len(index):

@@ -6,13 +6,12 @@ from typing import Literal
 import numpy as np
 import pinocchio as pin
 
-from tpsim.pose import Pose
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 from tpsim.robot.views.direction import AXES, Direction
 from tpsim.robot.views.view import Seen, View
 
-_LABELS = {
+_LABELS: dict[str, tuple[str, ...]] = {
     "position": ("x [m]", "y [m]", "z [m]"),
     "orientation": ("about x [rad]", "about y [rad]", "about z [rad]"),
 }
@@ -144,40 +143,46 @@ class SiteView(View):
 
     def see(self, state: State) -> Seen:
         """Value, Jacobian and drift at a state."""
-        pose, J, drift = self._relative(state)
+        R, p, J, drift = self._relative(state)
         if self.part == "position":
-            return Seen(pose.position, J[:3], drift[:3])
-        error = pose.rotation @ self.resolved(state.robot, self._back)
-        turning = np.asarray(pin.Jlog3(error)).T
-        angle, J_angle, drift_angle = pin.log3(error), turning @ J[3:], turning @ drift[3:]
+            return Seen(p, J[:3], drift[:3])
+        error = R @ self.resolved(state.robot, self._back)
+        turning = pin.Jlog3(error).T
         if self.part == "orientation":
-            return Seen(angle, J_angle, drift_angle)
-        return Seen(
-            np.concatenate((pose.position, angle)),
-            np.concatenate((J[:3], J_angle)),
-            np.concatenate((drift[:3], drift_angle)),
-        )
+            return Seen(pin.log3(error), turning @ J[3:], turning @ drift[3:])
+        # Written into place: for matrices so small, joining them costs more than computing them.
+        value, jacobian = np.empty(6), np.empty(J.shape)
+        value[:3], value[3:] = p, pin.log3(error)
+        jacobian[:3] = J[:3]
+        np.matmul(turning, J[3:], out=jacobian[3:])
+        if drift is not _STILL:
+            drift = np.concatenate((drift[:3], turning @ drift[3:]))
+        return Seen(value, jacobian, drift)
 
-    def _relative(self, state: State) -> tuple[Pose, np.ndarray, np.ndarray]:
-        """Pose, Jacobian (6, n) of linear and angular velocity, and drift (6,), from the base."""
-        pose, J = state.pose(self.site), state.jacobian(self.site)
+    def rows(self, state: State) -> np.ndarray:
+        """Jacobian up to an invertible map of its rows."""
+        if isinstance(self.base, Site):
+            return self(state).jacobian
+        return state.jacobian(self.site)[_ROWS[self.part]]
+
+    def _relative(self, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Rotation, position, Jacobian (6, n) of the velocities, and drift (6,), from the base."""
+        (R, p), J = state.pose(self.site), state.jacobian(self.site)
         if self.base is None:
-            return pose, J, _STILL
+            return R, p, J, _STILL
         if isinstance(self.base, Site):
             frame, J_base = state.pose(self.base.name), state.jacobian(self.base.name)
-            arm = pose.position - frame.position
+            arm, back, drift = p - frame.position, frame.rotation.T, _STILL
             J = J - J_base
             J[:3] += pin.skew(arm) @ J_base[3:]
-            back, drift = frame.rotation.T, _STILL
         else:
             thing = state.objects[self.base.name]
-            arm, back = pose.position - thing.position, thing.rotation.T
-            drift = _STILL
+            arm, back, drift = p - thing.position, thing.rotation.T, _STILL
             if state.objects.twists is not None:
                 v = thing.velocity + pin.skew(thing.angular_velocity) @ arm
                 drift = -np.concatenate((back @ v, back @ thing.angular_velocity))
-        turned = np.concatenate((back @ J[:3], back @ J[3:]))
-        return Pose(back @ pose.rotation, back @ arm), turned, drift
+        turned = np.matmul(back, J.reshape(2, 3, -1)).reshape(6, -1)
+        return back @ R, back @ arm, turned, drift
 
     def _back(self, robot: Robot) -> np.ndarray:
         """Transposed reference rotation (3, 3)."""
@@ -185,10 +190,11 @@ class SiteView(View):
             return np.reshape(self.reference, (3, 3)).T.copy()
         if isinstance(self.base, Object):
             return np.eye(3)
-        return self._relative(robot.at_home)[0].rotation.T.copy()
+        return self._relative(robot.at_home)[0].T.copy()
 
 
 _STILL = np.zeros(6)
+_ROWS = {"position": slice(0, 3), "orientation": slice(3, 6), "pose": slice(0, 6)}
 
 
 def as_rotation(matrix: np.ndarray) -> Rotation:

@@ -16,7 +16,7 @@ from scipy.linalg.lapack import dposv
 
 from tpsim.errors import ArgumentError
 from tpsim.robot.objects import Objects
-from tpsim.robot.robot import Robot
+from tpsim.robot.robot import Robot, as_slice
 from tpsim.robot.state import State
 
 DAMPING = 0.01
@@ -69,6 +69,10 @@ class View(ABC):
             # The view is kept with its answer, so that no other can take its identity.
             known = state.seen[id(self)] = (self, self.see(state))
         return known[1]
+
+    def rows(self, state: State) -> np.ndarray:
+        """Jacobian (d, n) up to an invertible map of its rows: all that a nullspace needs."""
+        return self(state).jacobian
 
     def resolved(self, robot: Robot, compute: Callable[[Robot], np.ndarray]) -> np.ndarray:
         """What a view needs to know of a robot besides its state: computed once for each robot."""
@@ -134,20 +138,20 @@ class Part(View):
     Parameters
     ----------
     whole : View
-    rows : tuple of int
+    indices : tuple of int
     """
 
     whole: View
-    rows: tuple[int, ...]
+    indices: tuple[int, ...]
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
         whole = self.whole.labels(robot)
-        return tuple(whole[row] for row in self.rows)
+        return tuple(whole[index] for index in self.indices)
 
     def see(self, state: State) -> Seen:
         """Select the rows."""
-        rows = _as_slice(self.rows)
+        rows = as_slice(self.indices)
         value, jacobian, drift, rate = self.whole(state)
         part = None if rate is None else rate[rows]
         return Seen(value[rows], jacobian[rows], drift[rows], part)
@@ -220,7 +224,7 @@ class Beneath(View):
     def see(self, state: State) -> Seen:
         """Project the second Jacobian onto the nullspace of the first."""
         value, J_second, drift, rate = self.second(state)
-        J = stacked_jacobian(self.first, state)
+        J = stacked_rows(self.first, state)
         beneath = through_nullspace(J_second, J, self.damping)
         if self.bend is None:
             return Seen(value, beneath, drift, beneath)
@@ -232,11 +236,11 @@ class Beneath(View):
         return Seen(free @ value, beneath, free @ drift, free @ rate)
 
 
-def stacked_jacobian(views: Sequence[View], state: State) -> np.ndarray:
-    """Jacobians (d, n) of several views, one upon the other."""
+def stacked_rows(views: Sequence[View], state: State) -> np.ndarray:
+    """Jacobians (d, n) of several views, one upon the other, as far as a nullspace needs them."""
     if len(views) == 1:
-        return views[0](state).jacobian
-    return np.concatenate([view(state).jacobian for view in views])
+        return views[0].rows(state)
+    return np.concatenate([view.rows(state) for view in views])
 
 
 def through_nullspace(J_second: np.ndarray, J: np.ndarray, damping: float) -> np.ndarray:
@@ -246,8 +250,8 @@ def through_nullspace(J_second: np.ndarray, J: np.ndarray, damping: float) -> np
     """
     gram = J @ J.T
     gram.flat[:: len(gram) + 1] += damping**2
-    lift: np.ndarray = dposv(gram, J)[1]
-    return J_second - (J_second @ J.T) @ lift
+    felt: np.ndarray = dposv(gram, J @ J_second.T)[1]
+    return J_second - felt.T @ J
 
 
 def observe(
@@ -277,11 +281,3 @@ def observe(
         for column, view in zip(values, views, strict=True):
             column.append(view(state).value)
     return [np.array(column) for column in values]
-
-
-def _as_slice(rows: tuple[int, ...]) -> slice | list[int]:
-    """Rows as a slice, where they follow each other: it selects a view, and faster."""
-    first = rows[0]
-    if rows == tuple(range(first, first + len(rows))):
-        return slice(first, first + len(rows))
-    return list(rows)

@@ -8,7 +8,7 @@ from tpsim.study import health
 from tpsim.study.measure import Measure, rms
 from tpsim.study.metrics import displacement, mean_force
 from tpsim.study.record import Record, Records
-from tpsim.task.task import Models
+from tpsim.task.task import Models, Task
 from tpsim.tasks.cup_and_sugar import cup, sugar
 
 PUSHED_SINCE = 2.0
@@ -203,9 +203,10 @@ _HEALTH = (
 )
 
 
-def measures(taught: Sequence[str]) -> tuple[Measure, ...]:
+def measures(task: Task) -> tuple[Measure, ...]:
     """Measures of one or both behaviours."""
-    found = _TILT if "cup" in taught else ()
+    taught = task.behaviours()
+    found: tuple[Measure, ...] = _TILT if "cup" in taught else ()
     found += (_OFFSET if "sugar" in taught else ()) + _YIELDING
     if "sugar" in taught:
         found += (*_FIXED_OFFSETS, *_ELBOW_AND_LEAD)

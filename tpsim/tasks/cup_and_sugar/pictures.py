@@ -124,7 +124,7 @@ def _led(lab: Lab, task: Task) -> Trial:
 
 
 def _pushed(lab: Lab, task: Task) -> Trial:
-    forces: Sequence[np.ndarray] = conditions.PUSH * conditions.DIRECTIONS[[0, 2, 4]]
+    forces = conditions.PUSH * conditions.DIRECTIONS[[0, 2, 4]]
     pushes = [
         Push("left_gripper", tuple(force.tolist()), start=1.2 + 2.6 * k, duration=1.4)
         for k, force in enumerate(forces)

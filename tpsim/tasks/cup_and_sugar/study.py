@@ -29,7 +29,7 @@ def stiffness_error(lab: Lab) -> float:
     """Physical stiffness of the hands beside the commanded one, largest error [%]."""
     world, home, errors = lab.world, lab.world.robot.home, []
     for arm in ("left", "right") if len(lab.task.behaviours()) == 2 else ("left",):
-        controller = lab.task.controller(world, lab.models, Situation(home))
+        controller = lab.task.controller(world, lab.models, Situation(tuple(home)))
         measured, commanded = identify_stiffness(world, controller, home, f"{arm}_gripper")
         errors.append(np.linalg.norm(measured - commanded) / np.linalg.norm(commanded))
     return float(100 * max(errors))
@@ -39,7 +39,7 @@ def study(task: CupAndSugar) -> Study:
     """The study of one or both behaviours."""
     return Study(
         task,
-        measures(task.taught),
+        measures,
         controllers={"stiff": fixed(STIFF), "soft": fixed(SOFT)},
         conditions=conditions,
         probes={"stiffness_error_percent": stiffness_error},

@@ -81,7 +81,7 @@ class CupAndSugar(Task):
 
     def situation(self, world: World, rng: np.random.Generator) -> Situation:
         """Draw a start posture: level cup, and sugar above it where that was taught."""
-        return Situation(_ROOMS[self.taught[-1]].start(Hands(world), rng))
+        return Situation(tuple(_ROOMS[self.taught[-1]].start(Hands(world), rng)))
 
     def controller(self, world: World, models: Models, situation: Situation) -> MinimalIntervention:
         """The product of all frames of the behaviours."""

@@ -55,8 +55,9 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
     yield found
 
 
-def show(world: World, situation: Situation, rng: np.random.Generator) -> Lesson:
-    """How the teacher would carry in a situation."""
+def show(world: World, condition: Condition, rng: np.random.Generator) -> Lesson:
+    """How the teacher would carry in the situation of a condition."""
+    situation = condition.situation
     placed = docks.at_start(situation.objects)
     return lesson_between(world, placed, np.array(situation.start), rng)
 

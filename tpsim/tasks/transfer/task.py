@@ -114,7 +114,8 @@ class Transfer(Task):
     def situation(self, world: World, rng: np.random.Generator, far: bool = False) -> Situation:
         """Draw docks, and a posture with the hand in the first one; ``far`` beyond the taught."""
         placed = docks.draw(rng, far)
-        return Situation(docks.start_posture(world, placed, rng), docks.at_rest(placed))
+        start = docks.start_posture(world, placed, rng)
+        return Situation(tuple(start), docks.at_rest(placed))
 
     def controller(self, world: World, models: Models, situation: Situation) -> FiniteHorizon:
         """GMR over time in every frame, then LQT of all of them."""

@@ -1,0 +1,152 @@
+"""Pointing, taught by a hand and performed where it was never shown (Fig. 10)."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tpsim.robot.views.view import observe
+from tpsim.study.record import Records
+from tpsim.study.study import Lab, Plan
+from tpsim.task.task import draw_situation
+from tpsim.task.verbs import learn, perform, teach
+from tpsim.tasks.pointing import study
+from tpsim.tasks.pointing.task import Pointing
+from tpsim.tasks.pointing.teacher import PHASES
+from tpsim.world.object_path import ObjectPath
+from tpsim.world.teaching import demonstrate
+
+
+@pytest.fixture(scope="module")
+def taught():
+    """The planar arm, taught six times, and its model."""
+    task = Pointing()
+    trials = teach(task, seed=0)
+    return task, learn(task, trials), trials
+
+
+def angle(task, trial, name):
+    """Angle (T,) [deg] between the axis that points and the way to an object."""
+    bearing = [task.pointer.bearing(name)]
+    (seen,) = observe(task.stage.robot, bearing, trial["q"], trial.objects)
+    return np.degrees(np.linalg.norm(seen, axis=1))
+
+
+def test_the_bearing_is_the_angle_to_the_object_in_the_recording(taught):
+    """The one definition of the angle, beside arrays that know nothing of it."""
+    task, _, trials = taught
+    trial = trials["pointing"][0]
+    for name in PHASES:
+        axis = trial.pose("tip").rotation[:, :2, 0]
+        way = (trial[f"{name}_position"] - trial["tip_position"])[:, :2]
+        cosine = np.einsum("ti,ti->t", axis, way) / np.linalg.norm(way, axis=1)
+        expected = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+        np.testing.assert_allclose(angle(task, trial, name), expected, atol=1e-4)
+
+
+def test_the_teacher_points_at_the_objects_and_comes_back(taught):
+    task, _, trials = taught
+    for trial in trials["pointing"]:
+        for name, (begin, end) in PHASES.items():
+            inside = (trial.time > begin + 0.2) & (trial.time < end - 0.2)
+            assert angle(task, trial, name)[inside].max() < 3.0
+        assert np.abs(trial["q"][-1] - task.stage.robot.home).max() < 0.1
+
+
+def test_each_object_matters_in_its_own_phase_alone(taught):
+    """What the covariance says once the time is known: no number of it was set by hand."""
+    task, models, _ = taught
+    model = models["pointing"]
+    frames = dict(zip(task.pointer.views, model.frames, strict=True))
+    times = model.frames[0].mean[:, 0]
+    for own, other in (("first", "second"), ("second", "first")):
+        deviation = {}
+        for name, (begin, end) in PHASES.items():
+            k = int(np.argmin(np.abs(times - (begin + end) / 2)))
+            gaussian = frames[f"direction to {own}"][k]
+            deviation[name] = gaussian.condition([times[k]], [0]).covariance[0, 0] ** 0.5
+        assert deviation[own] < np.radians(1.5)
+        assert deviation[other] > 10 * deviation[own]
+
+
+def test_unseen_objects_at_rest_moving_jumping_and_a_pushed_arm(taught):
+    task, models, trials = taught
+    pointing = study.study(task)
+    lab = Lab(pointing, models, trials)
+    (conditions,) = pointing.conditions(lab, Plan(seed=7, situations=1, pushes=1))
+    records = Records(task, models)
+    for condition in conditions:
+        people = condition.people
+        records.add(condition, perform(task, models, condition.situation, people=people))
+    figures = {m.name: m.figure(records) for m in pointing.measures}
+    results = [m.result(figures[m.name]) for m in pointing.measures if figures[m.name] is not None]
+    assert all(record.trial.outcome == "done" for record in records)
+    assert len(results) >= 8 and all(result.passed is not False for result in results), figures
+    assert figures["angle_deg"] <= 1.5 and figures["angle_pushed_deg"] <= 4.0
+    assert figures["posture_rad"] <= 0.1 and figures["jump_recovery_s"] <= 0.5
+
+
+@pytest.mark.parametrize(
+    ("path", "signal"),
+    [
+        (lambda p, tip: ObjectPath.at("first", (-0.5, -0.8, p[2])), "beyond_limits"),
+        (lambda p, tip: ObjectPath("first", (p, p, 2 * tip - p), (0, 3, 3)), "beyond_limits"),
+        (lambda p, tip: ObjectPath.at("first", tip), None),
+        (lambda p, tip: ObjectPath.at("first", (1e3, 1e3, 0)), None),
+    ],
+    ids=["out of reach", "jump across the arm", "at the tip", "far away"],
+)
+def test_impossible_objects_leave_the_arm_bounded_and_are_recorded(taught, path, signal):
+    task, models, _ = taught
+    robot = task.stage.robot
+    situation = draw_situation(task, 0, 0)
+    first, second = situation.objects
+    wild = path(first.first.position, robot.at_home.pose("tip").position)
+    situation = replace(situation, objects=(wild, second))
+    trial = perform(task, models, situation, duration=4.5)
+    assert trial.outcome == "done"
+    assert all(np.isfinite(array).all() for array in trial.arrays.values())
+    assert np.abs(trial["dq"]).max() < 2 * robot.velocity_limit.max()
+    assert (trial["q"] > robot.lower - 0.05).all() and (trial["q"] < robot.upper + 0.05).all()
+    if signal:
+        assert trial[signal].any()
+
+
+def test_the_same_situation_repeats_bit_for_bit(taught):
+    task, models, _ = taught
+    situation = draw_situation(task, 1, 0)
+    one, other = (perform(task, models, situation, duration=0.5) for _ in range(2))
+    for name in one.arrays:
+        np.testing.assert_array_equal(one[name], other[name])
+
+
+def test_effort_is_a_field_that_makes_the_arm_softer(taught):
+    task, models, _ = taught
+    situation = draw_situation(task, 1, 0)
+    stiffness = [
+        perform(replace(task, effort=effort), models, situation, duration=0.1)["stiffness"][0]
+        for effort in (0.05, 0.2)
+    ]
+    # Stiffness is the root of precision over effort, Eq. (34).
+    np.testing.assert_allclose(stiffness[0], 2 * stiffness[1], rtol=1e-6)
+
+
+def test_goals_are_the_views_that_are_controlled():
+    task = Pointing()
+    goals = task.goals()
+    assert set(goals) == {*PHASES, "rest"}
+    for name in PHASES:
+        assert goals[name].view == task.pointer.views[f"direction to {name}"]
+        assert (goals[name].since, goals[name].until) == PHASES[name]
+    assert np.abs(goals["rest"].view(task.stage.robot.at_home).value).max() == 0
+
+
+def test_the_same_code_teaches_the_gripper_of_baxter():
+    task = Pointing(robot="baxter")
+    assert task.name == "pointing-baxter"
+    lesson = task.teacher(task.stage, np.random.default_rng(0))
+    short = replace(lesson, duration=PHASES["first"][1])
+    trial = demonstrate(task.stage, short, task.sites())
+    assert trial.outcome == "done"
+    held = (trial.time > 2.2) & (trial.time < 3.8)
+    assert angle(task, trial, "first")[held].max() < 4.0

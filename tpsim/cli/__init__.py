@@ -1,0 +1,1 @@
+"""The command line: ``tpsim run``, ``teach``, ``learn``, ``reproduce``, ``push``, ..."""

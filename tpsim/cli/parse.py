@@ -1,0 +1,145 @@
+"""From words to a command: which command, which study, which options."""
+
+import contextlib
+import dataclasses
+import io
+import re
+import shlex
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, TypeVar
+
+import tyro
+
+from tpsim.cli.commands import COMMANDS
+from tpsim.cli.fields import varied, with_fields
+from tpsim.cli.options import Answer, Command, Options, StudyCommand, known, nearest
+from tpsim.errors import ArgumentError
+from tpsim.tasks import STUDIES
+
+if TYPE_CHECKING:
+    from tpsim.study.study import Study
+
+HELP = {"-h", "--help"}
+
+O = TypeVar("O", bound=Options)
+
+
+@dataclasses.dataclass(frozen=True)
+class Call:
+    """A command, ready to be executed.
+
+    Parameters
+    ----------
+    options : Command or StudyCommand
+    line : str
+        What was typed.
+    study : Study, optional
+        What it is about.
+    """
+
+    options: Command | StudyCommand
+    line: str
+    study: "Study | None" = None
+
+    def execute(self) -> Answer:
+        """Do the work and return what to print."""
+        if isinstance(self.options, Command):
+            return self.options.execute()
+        assert self.study is not None
+        return self.options.execute(self.study, self.line)
+
+
+def parse(arguments: Sequence[str]) -> Call:
+    """The command that ``arguments`` name, its options checked.
+
+    Raises
+    ------
+    ArgumentError
+        If they name no command or study, or options that there are not.
+    SystemExit
+        After help was printed.
+    """
+    if not arguments:
+        names = ", ".join(COMMANDS)
+        raise ArgumentError(f"give a command: {names}; tpsim --help describes them")
+    name, *rest = arguments
+    if name in HELP:
+        _describe()
+    known("command", name, COMMANDS)
+    line, command = shlex.join(["tpsim", *arguments]), COMMANDS[name]
+    if issubclass(command, StudyCommand):
+        return _about_a_study(name, command, rest, line)
+    options = _read(command, name, rest)
+    options.check()
+    return Call(options, line)
+
+
+def _about_a_study(name: str, command: type[StudyCommand], rest: list[str], line: str) -> Call:
+    given = [word for word in rest if word not in HELP]
+    asked = len(given) < len(rest)
+    if all(word.startswith("-") for word in given):
+        if asked:
+            _told(command, name, ["--help"])
+        raise ArgumentError(
+            f"{name} TASK: give my_task.py:study, package.module:study or a built-in task "
+            f"({', '.join(STUDIES)})"
+        )
+    first, _ = _told(command, name, given)
+    if not asked:
+        first.check()
+    from tpsim.study.reference import load_study
+
+    study = load_study(first.reference, STUDIES)
+    extended = with_fields(command, study.task)
+    options = _read(extended, f"{name} {first.reference}" if asked else name, rest)
+    return Call(options, line, varied(study, options))
+
+
+def _read(options: type[O], name: str, words: Sequence[str]) -> O:
+    """Options of a command; every word has to be understood."""
+    read, unknown = _told(options, name, words)
+    if unknown:
+        flags = ["--" + f.name.replace("_", "-") for f in dataclasses.fields(options)]
+        word = next((word for word in unknown if word.startswith("--")), unknown[0])
+        if not word.startswith("-"):
+            raise ArgumentError(f"{name}: unexpected {word!r}; --help lists the options")
+        hint = nearest(word.partition("=")[0], flags) or "; --help lists the options"
+        raise ArgumentError(f"{name}: unknown option {word!r}{hint}")
+    return read
+
+
+def _told(options: type[O], name: str, words: Sequence[str]) -> tuple[O, list[str]]:
+    """Options out of words, and the words that are none; tyro's complaint in one line."""
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(said):
+            return tyro.cli(
+                options,
+                prog=f"tpsim {name}",
+                args=list(words),
+                return_unknown_args=True,
+                config=(tyro.conf.SuppressFixed,),
+            )
+    except SystemExit as usage:
+        if usage.code:
+            raise ArgumentError(f"{name}: {_first_part(said.getvalue())}") from None
+        raise
+
+
+def _first_part(box: str) -> str:
+    """What a box of tyro says before its first line of division."""
+    lines = [line.strip("│ ") for line in box.splitlines()[1:]]
+    end = next((i for i, line in enumerate(lines) if re.match("[─╰]", line)), len(lines))
+    return " ".join(lines[:end])
+
+
+def _describe() -> None:
+    """Print what commands there are, and leave."""
+    tyro.extras.subcommand_cli_from_dict(
+        dict(COMMANDS),
+        prog="tpsim",
+        description="Task-parameterized movement learning on torque-controlled robots.",
+        args=["--help"],
+    )
+    sys.exit(0)

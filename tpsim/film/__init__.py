@@ -1,0 +1,1 @@
+"""Films: clips of recorded trials, drawn after the simulation."""

@@ -1,0 +1,1 @@
+"""Studies: conditions, measures, campaigns, recordings, reports."""

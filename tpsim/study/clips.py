@@ -1,0 +1,73 @@
+"""The film of a study that shows nothing itself."""
+
+from collections.abc import Sequence
+
+from tpsim.film.clip import Clip, Ellipsoid
+from tpsim.study.measure import Measure
+from tpsim.study.record import Record, Records
+from tpsim.study.study import Lab
+from tpsim.world.trial import Trial
+
+TEACHING_SPEED = 2.0
+"""How much faster than they were demonstrations are shown."""
+
+
+def clip_of(lab: Lab, trial: Trial, title: str, subtitle: str = "", *, speed: float = 1.0) -> Clip:
+    """A trial with forces as arrows, traces of the hands, and their stiffness as ellipsoids."""
+    hands = [name for name in lab.world.robot.hands if name in trial.channels.sites]
+    ellipsoids = [
+        Ellipsoid(trial[f"{hand}_position"], trial[f"{hand}_stiffness"])
+        for hand in trial.channels.hands
+    ]
+    traces = tuple(trial[f"{hand}_position"] for hand in hands)
+    return Clip.of(
+        lab.world,
+        trial,
+        title,
+        subtitle,
+        traces=traces,
+        ellipsoids=tuple(ellipsoids),
+        speed=speed,
+    )
+
+
+def clips(lab: Lab, records: Records) -> list[Clip]:
+    """One demonstration of every behaviour, the first unpushed trial, the worst pushed one."""
+    led, speed = "the robot is led by hand", TEACHING_SPEED
+    found = [
+        clip_of(lab, trials[0], f"Demonstration: {name}", led, speed=speed)
+        for name, trials in lab.taught.items()
+        if trials
+    ]
+    performed = [record for record in records if record.condition.shown is None]
+    unpushed = [record for record in performed if not record.condition.people]
+    if unpushed:
+        found.append(_performance(lab, unpushed[0], "where it was never shown"))
+    pushed = [record for record in performed if record.condition.people]
+    if pushed:
+        worst, why = _worst(pushed, lab.study.measures)
+        found.append(_performance(lab, worst, why))
+    return found
+
+
+def _performance(lab: Lab, record: Record, why: str) -> Clip:
+    title = f"Performance: {record.condition.label}"
+    if record.condition.controller != "learned":
+        title += f", {record.condition.controller}"
+    return clip_of(lab, record.trial, title, why)
+
+
+def _worst(records: Sequence[Record], measures: Sequence[Measure]) -> tuple[Record, str]:
+    """The record that comes nearest to a limit, or farthest beyond it, and which limit that is."""
+    learned = [r for r in records if r.condition.controller == "learned"] or list(records)
+    worst, why, farthest = learned[0], "a person pushes", -1.0
+    for measure in measures:
+        if measure.limit is None or measure.at_least or measure.of is None:
+            continue
+        for record in learned:
+            value = measure.number(record)
+            if value is None or value / (measure.limit or 1.0) <= farthest:
+                continue
+            worst, farthest = record, value / (measure.limit or 1.0)
+            why = f"the worst trial: {measure.title or measure.name} {value:.3g} {measure.unit}"
+    return worst, why.strip()

@@ -1,0 +1,93 @@
+"""Conditions: what is varied from trial to trial, as plain values."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tpsim.errors import ArgumentError
+from tpsim.task.task import Situation
+from tpsim.world.episode import BoundPerson
+from tpsim.world.people.guide import Grip, Guide
+from tpsim.world.people.push import Push
+from tpsim.world.people.script import straight
+from tpsim.world.plant import NOMINAL, Plant
+from tpsim.world.simulation import Simulation
+
+
+@dataclass(frozen=True)
+class Lead:
+    """A person leads a site along a straight line, and feels what resists.
+
+    Parameters
+    ----------
+    site : str
+    origin : (3,) tuple
+        Where the site is when the person takes hold [m].
+    travel : (3,) tuple
+        How far it is led [m].
+    start, duration, rest : float
+        When it begins, how long it takes, how long the person then stays there [s].
+    stiffness : float
+        Of the person's grip [N/m].
+    max_force : float
+        Strength of the person [N].
+    """
+
+    site: str
+    origin: tuple[float, float, float]
+    travel: tuple[float, float, float]
+    start: float = 1.5
+    duration: float = 3.0
+    rest: float = 0.5
+    stiffness: float = 2000.0
+    max_force: float = 60.0
+
+    def bind(self, simulation: Simulation) -> BoundPerson:
+        """Look up the names in one simulation."""
+        damping = 2 * self.stiffness**0.5
+        grip = Grip(self.stiffness, damping, 0.0, 0.0, self.max_force)
+        origin, travel = np.array(self.origin), np.array(self.travel)
+        path = straight(origin, travel, self.duration, self.rest, simulation.timestep)
+        return Guide("lead", self.site, grip, path, start=self.start).bind(simulation)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One trial to perform: plain values, so that a recording can say how to repeat it.
+
+    Parameters
+    ----------
+    label : str
+        Group of conditions that it belongs to, such as ``"pushed"``.
+    situation : Situation
+    controller : str
+        One of the study's controllers, by name.
+    push : tuple of Push
+        Who pushes.
+    lead : tuple of Lead
+        Who leads.
+    plant : Plant
+        How the simulated robot differs from the controller's model.
+    duration : float, optional
+        Of the trial [s]; the task's own by default.
+    shown : str, optional
+        A behaviour that the teacher shows in this situation; no controller performs then.
+    """
+
+    label: str
+    situation: Situation
+    controller: str = "learned"
+    push: tuple[Push, ...] = ()
+    lead: tuple[Lead, ...] = ()
+    plant: Plant = NOMINAL
+    duration: float | None = None
+    shown: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.duration is not None and not 0 < self.duration < np.inf:
+            raise ArgumentError(f"duration is {self.duration} s; give a positive number")
+
+    @property
+    def people(self) -> tuple[Push | Lead, ...]:
+        """All who push and lead."""
+        return self.push + self.lead

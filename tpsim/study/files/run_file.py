@@ -1,0 +1,116 @@
+"""``run.json``: what a run says about itself, before it starts and when it is whole."""
+
+import subprocess
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from tpsim.robot.robot import Description
+from tpsim.study.files.about import TaskFile
+
+UNITS = {
+    "time": "s",
+    "q": "rad",
+    "dq": "rad/s",
+    "torque": "Nm",
+    "torque_feedforward": "Nm",
+    "position": "m",
+    "quaternion": "1 (w, x, y, z)",
+    "wrench": "N, Nm (world axes)",
+    "point": "m",
+    "stiffness": "N/m, Nm/rad",
+    "damping": "N s/m, Nm s/rad",
+    "reference": "m, rad",
+}
+"""Units of the signals, by name or by the last word of the name."""
+
+
+@dataclass(frozen=True)
+class Whole:
+    """That a run has come to its end, and with what.
+
+    Parameters
+    ----------
+    trials : int
+        Number of trials in the folder.
+    models : dict of str to str
+        SHA-256 of every model's file, by behaviour.
+    finished : str
+        When.
+    """
+
+    trials: int
+    models: dict[str, str]
+    finished: str
+
+
+@dataclass(frozen=True)
+class RunFile:
+    """Content of ``run.json``.
+
+    Parameters
+    ----------
+    schema : int
+    command : str
+        The command line that repeats the run.
+    configuration : dict
+        Every setting.
+    seed : int
+    started : str
+        When.
+    git_commit : str, optional
+        Of the checkout that ran.
+    versions : dict of str to str
+    task : TaskFile
+        The task, its fields, and where its study is from.
+    robot : Description
+        What ``scene.xml`` does not say about the robot.
+    scene : str
+        SHA-256 of ``scene.xml``.
+    assets : dict of str to str
+        SHA-256 of the files in ``assets/``.
+    sites : tuple of str
+        Of the scene.
+    units : dict of str to str
+    whole : Whole, optional
+        None while it runs, and for ever after it was interrupted.
+    """
+
+    schema: int
+    command: str
+    configuration: dict[str, object]
+    seed: int
+    started: str
+    git_commit: str | None
+    versions: dict[str, str | None]
+    task: TaskFile
+    robot: Description
+    scene: str
+    assets: dict[str, str]
+    sites: tuple[str, ...]
+    units: dict[str, str]
+    whole: Whole | None = None
+
+
+def now() -> str:
+    """Date, time and zone of now."""
+    return datetime.now().astimezone().isoformat(timespec="seconds")
+
+
+def git_commit() -> str | None:
+    """Commit of the checkout that runs, marked where files differ from it; None without git."""
+    checkout = Path(__file__).parents[3]
+    if not (checkout / "pyproject.toml").is_file():
+        return None
+    where = ["git", "-C", str(checkout)]
+    try:
+        answer = subprocess.run(
+            [*where, "describe", "--always", "--abbrev=40", "--dirty", "--exclude=*"],
+            capture_output=True,
+            text=True,
+            timeout=10,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return answer.stdout.strip()

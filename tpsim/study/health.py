@@ -1,0 +1,66 @@
+"""What can go wrong in trials, counted: measures that every study shares."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import cast
+
+from tpsim.study.measure import Measure
+from tpsim.study.record import Records
+
+
+def saturated_steps(records: Records, controller: str | None = "learned") -> int:
+    """Time steps with a motor at its limit, in all trials of a controller; None for all."""
+    return int(sum(record["saturated_steps"][-1] for record in records.select(None, controller)))
+
+
+def diverged(records: Records, controller: str | None = "learned") -> int:
+    """Trials in which the robot became faster than any robot."""
+    return sum(record.trial.outcome == "diverged" for record in records.select(None, controller))
+
+
+def contacts(records: Records, controller: str | None = "learned") -> int:
+    """Trials in which something touched."""
+    return sum(record.trial.outcome == "contact" for record in records.select(None, controller))
+
+
+def saturated_percent(records: Records) -> float:
+    """Share of time steps with a motor at its limit [%]."""
+    steps = sum(round(record.trial.time[-1] * 1000) for record in records.select())
+    return 100 * saturated_steps(records) / max(steps, 1)
+
+
+def unreachable_samples(records: Records, controller: str | None = "learned") -> int:
+    """Samples in which a posture beyond the joints' limits was asked for."""
+    return int(
+        sum(record["beyond_limits"].any(1).sum() for record in records.select(None, controller))
+    )
+
+
+SATURATED = Measure(
+    "saturated_steps", whole=saturated_steps, title="Time steps with a saturated motor"
+)
+DIVERGED = Measure("diverged", whole=diverged, limit=0, title="Diverged trials")
+CONTACTS = Measure("contacts", whole=contacts, limit=0, title="Trials in which something touched")
+UNREACHABLE = Measure(
+    "unreachable_samples",
+    whole=unreachable_samples,
+    title="Samples that asked for a posture beyond limits",
+)
+
+
+def of_all(measure: Measure) -> Measure:
+    """One of these measures, counted in the trials of all controllers."""
+    count = cast(Callable[..., int], measure.whole)
+    return replace(measure, whole=partial(count, controller=None))
+
+
+def realtime(least: float) -> Measure:
+    """Simulated over processor time of a trial; runs measure it beside the trials."""
+    return Measure(
+        "realtime_factor",
+        unit="x",
+        limit=least,
+        at_least=True,
+        title="Faster than real time, one core",
+    )

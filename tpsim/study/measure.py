@@ -1,0 +1,149 @@
+"""Measures: what is measured of the trials of a study, and the limit that it has to keep."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tpsim.errors import ArgumentError
+from tpsim.robot.views.view import View
+from tpsim.study.record import Record, Records
+
+Series = float | np.ndarray
+"""What is measured of one trial: a number, or a series (T,)."""
+
+Figure = float | int | None
+"""What came out of all trials; None where it could not be measured."""
+
+
+def rms(values: np.ndarray) -> float:
+    """Root of the mean square, in the unit of ``values``."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One figure of a study.
+
+    Of every trial that it concerns, ``of`` gives a series, ``reduce`` makes one number of it and
+    ``across`` one figure of all trials; or ``whole`` measures all of them together. With neither,
+    the figure comes from the study's probe of this name.
+
+    Parameters
+    ----------
+    name : str
+        Of the figure in results, such as ``"tilt_max_deg"``.
+    of : View or callable, optional
+        A view, of whose value the norm is taken along the trial and scaled to ``unit``; or a
+        function ``of(record) -> (T,) or number`` in ``unit``, None where a trial has nothing to
+        say.
+    unit : str
+        ``"mm"``, ``"deg"``, ``"N"``, ... as reports show it.
+    whole : callable, optional
+        ``whole(records) -> number`` in ``unit``, None where there is nothing to say.
+    label : str or sequence of str, optional
+        Conditions whose trials count; all by default. If the study has none of these, those of
+        ``otherwise`` count.
+    otherwise : str or sequence of str, optional
+        Labels that count where there are none of ``label``.
+    controller : str, optional
+        Controllers whose trials count; ``None`` for all.
+    reduce, across : callable
+        Of the series of a trial, and of the numbers of all trials; the largest by default.
+    window : (float, float), optional
+        Part of the trial that counts [s].
+    limit : float, optional
+        The most allowed; with ``at_least`` the least asked.
+    at_least : bool
+        Whether ``limit`` is a floor.
+    title : str
+        What reports call it; the name by default.
+    """
+
+    name: str
+    of: View | Callable[[Record], Series | None] | None = None
+    unit: str = ""
+    whole: Callable[[Records], Figure] | None = None
+    label: str | Sequence[str] | None = None
+    otherwise: str | Sequence[str] | None = None
+    controller: str | None = "learned"
+    reduce: Callable[[np.ndarray], float] = np.max
+    across: Callable[[Sequence[float]], float] = max
+    window: tuple[float, float] | None = None
+    limit: float | None = None
+    at_least: bool = False
+    title: str = ""
+
+    def series(self, record: Record) -> Series | None:
+        """What is measured of one trial, in ``unit``."""
+        if self.of is None:
+            return None
+        if not isinstance(self.of, View):
+            return self.of(record)
+        value = np.linalg.norm(record.see(self.of), axis=-1)
+        return value * self.of.scale(record.task.stage.robot, self.unit)
+
+    def figure(self, records: Records) -> Figure:
+        """The figure over all trials; None where there are none."""
+        if self.whole is not None:
+            return self.whole(records)
+        chosen = records.select(self.label, self.controller)
+        if not chosen and self.otherwise is not None:
+            chosen = records.select(self.otherwise, self.controller)
+        numbers = [n for record in chosen if (n := self.number(record)) is not None]
+        return float(self.across(numbers)) if numbers else None
+
+    def number(self, record: Record) -> float | None:
+        """What one trial comes to, in ``unit``; None where it has nothing to say."""
+        series = self.series(record)
+        if series is None:
+            return None
+        if np.ndim(series) == 0:
+            return float(series)
+        series, time = np.asarray(series, float), record.trial.time
+        if len(series) != len(time):
+            raise ArgumentError(
+                f"measure '{self.name}' gave {len(series)} values for {len(time)} samples"
+            )
+        if self.window is not None:
+            series = series[(time >= self.window[0]) & (time <= self.window[1])]
+        return float(self.reduce(series)) if len(series) else None
+
+    def result(self, value: Figure) -> "Result":
+        """The figure with its limit."""
+        return Result(
+            self.name, self.title or self.name, value, self.unit, self.limit, self.at_least
+        )
+
+
+@dataclass(frozen=True)
+class Result:
+    """One figure that came out, and whether it keeps its limit.
+
+    Parameters
+    ----------
+    name, title : str
+        In results and in reports.
+    value : float, int or None
+        None where it could not be measured.
+    unit : str
+    limit : float, optional
+    at_least : bool
+        Whether ``limit`` is a floor.
+    """
+
+    name: str
+    title: str
+    value: Figure
+    unit: str = ""
+    limit: float | None = None
+    at_least: bool = False
+
+    @property
+    def passed(self) -> bool | None:
+        """Whether the limit is kept; None without a limit."""
+        if self.limit is None:
+            return None
+        if self.value is None or not np.isfinite(self.value):
+            return False
+        return bool(self.value >= self.limit if self.at_least else self.value <= self.limit)

@@ -1,0 +1,105 @@
+"""Records: what was asked for and what happened, and how they are found."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from tpsim.robot.views.view import View, observe
+from tpsim.study.condition import Condition
+from tpsim.task.task import Models, Task
+from tpsim.world.trial import Trial
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """One trial of a study, with what is needed to measure it.
+
+    Parameters
+    ----------
+    condition : Condition
+    trial : Trial
+    task : Task
+    models : mapping of str to TPGMM
+    all : Records
+        The records that it is one of.
+    """
+
+    condition: Condition
+    trial: Trial
+    task: Task
+    models: Models
+    all: "Records" = field(repr=False)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Return a signal of the trial."""
+        return self.trial[name]
+
+    def see(self, view: View) -> np.ndarray:
+        """Value (T, d) of a view along the trial; computed once."""
+        known: dict[View, np.ndarray] = self.__dict__.setdefault("_seen", {})
+        if view not in known:
+            robot, trial = self.task.stage.robot, self.trial
+            (known[view],) = observe(robot, [view], trial["q"], trial.objects)
+        return known[view]
+
+    def beside(self, label: str = "unpushed", controller: str | None = None) -> "Record | None":
+        """The record of another label in the same situation; of the same controller by default.
+
+        A pushed trial's unpushed twin is ``record.beside("unpushed")``.
+        """
+        wanted = self.condition.controller if controller is None else controller
+        index = self.condition.situation.index
+        return next(
+            (
+                other
+                for other in self.all.select(label, wanted)
+                if other.condition.situation.index == index
+            ),
+            None,
+        )
+
+
+class Records(Sequence[Record]):
+    """Records of a study, in the order in which they were performed.
+
+    Parameters
+    ----------
+    task : Task
+    models : mapping of str to TPGMM
+    trials : sequence of (Condition, Trial)
+    """
+
+    def __init__(self, task: Task, models: Models, trials: Sequence[tuple[Condition, Trial]] = ()):
+        self.task, self.models = task, models
+        self._records = [Record(c, t, task, models, self) for c, t in trials]
+
+    def add(self, condition: Condition, trial: Trial) -> Record:
+        """Add what happened under a condition."""
+        record = Record(condition, trial, self.task, self.models, self)
+        self._records.append(record)
+        return record
+
+    def __getitem__(self, index):  # type: ignore[no-untyped-def]
+        """Return a record by its number."""
+        return self._records[index]
+
+    def __iter__(self) -> Iterator[Record]:
+        """Iterate over the records."""
+        return iter(self._records)
+
+    def __len__(self) -> int:
+        """Return the number of records."""
+        return len(self._records)
+
+    def select(
+        self, label: str | Sequence[str] | None = None, controller: str | None = "learned"
+    ) -> list[Record]:
+        """The records of some labels and one controller; None means any."""
+        labels = (label,) if isinstance(label, str) else label
+        return [
+            record
+            for record in self._records
+            if (labels is None or record.condition.label in labels)
+            and (controller is None or record.condition.controller == controller)
+        ]

@@ -1,0 +1,168 @@
+"""Does a run repeat? Its trials are performed again, from its own folder alone."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from tpsim.errors import ArgumentError, RecordingError, TpsimError
+from tpsim.study.executor import perform_all
+from tpsim.study.files.about import Demonstrated, Performed, read_about, with_fields
+from tpsim.study.files.limits import check_condition
+from tpsim.study.files.run import Run
+from tpsim.study.reference import is_ours, load_study
+from tpsim.study.study import Study
+from tpsim.versions import versions
+from tpsim.world.teaching import show
+from tpsim.world.trial import Trial
+
+
+def replay(run: Run, study: Study | None = None, workers: int = 1) -> dict[str, object]:
+    """Perform the trials of a run again and compare all signals bit for bit.
+
+    Scene, models, conditions and the task's fields come from the run's folder and from nothing
+    else; the code of task and controllers comes from tpsim or from the caller, never from what
+    the folder names.
+
+    Parameters
+    ----------
+    run : Run
+        Of a whole run, or of the demonstrations of a behaviour.
+    study : Study, optional
+        Of the run; those that tpsim brings are found by themselves.
+    workers : int
+        Processes.
+
+    Returns
+    -------
+    dict
+        ``trials``, ``identical``, ``whole`` (whether the run came to its end), ``missing`` and
+        ``different`` (names of files), ``largest_difference`` over all signals (each in its SI
+        unit), ``other_versions`` (packages that have changed since the recording).
+
+    Raises
+    ------
+    RecordingError
+        If the folder holds no trials, or anything in it is wrong.
+    ArgumentError
+        If the study is the caller's own and was not given.
+    """
+    files = run.files()
+    if not files:
+        raise RecordingError(f"{run.folder} holds no trials; give a run's folder")
+    here = study_of(run, study)
+    different, largest = [], 0.0
+    try:
+        for file, (recorded, again) in zip(files, _pairs(run, here, workers), strict=True):
+            difference = _difference(recorded, again)
+            if difference is not None:
+                different.append(file.name)
+                largest = max(largest, difference)
+    except (ValueError, TypeError, ArithmeticError, LookupError, AttributeError) as error:
+        if isinstance(error, TpsimError):
+            raise
+        raise RecordingError(
+            f"{run.folder} cannot be performed again ({type(error).__name__}: {error}); its "
+            "files do not belong together"
+        ) from error
+    whole = run.file.whole
+    count = len(files) if whole is None else whole.trials
+    count = max(count, 1 + int(files[-1].stem.removeprefix("trial-")))
+    names = {file.name for file in files}
+    return {
+        "trials": len(files),
+        "identical": len(files) - len(different),
+        "whole": whole is not None,
+        "missing": [n for i in range(count) if (n := run.path(i).name) not in names],
+        "different": different,
+        "largest_difference": largest,
+        "other_versions": _changes(run.file.versions),
+    }
+
+
+def study_of(run: Run, study: Study | None = None) -> Study:
+    """The study of a run with the recorded world and fields.
+
+    Raises
+    ------
+    ArgumentError
+        If it is the caller's own and was not given, or another one was.
+    """
+    task = run.file.task
+    if study is None:
+        if not is_ours(task.reference):
+            named = f"its study is {task.reference}" if task.reference else "it names no study"
+            raise ArgumentError(
+                f"{run.folder} is not of tpsim's own tasks: {named}; name it yourself if you "
+                "trust it, as my_task.py:study"
+            )
+        study = load_study(task.reference)
+    recorded = with_fields(study.task, task.fields, f"{run.folder / 'run.json'}: task.fields")
+    if recorded.name != task.name:
+        raise ArgumentError(
+            f"{run.folder} is of the task '{task.name}', the study is of '{recorded.name}'"
+        )
+    return replace(study, task=recorded.in_world(run.world))
+
+
+def _pairs(run: Run, study: Study, workers: int) -> Iterator[tuple[Trial, Trial]]:
+    """Every recorded trial beside its repetition."""
+    conditions = []
+    for file, trial in zip(run.files(), run.trials(), strict=True):
+        about = read_about(trial, file)
+        if isinstance(about, Performed):
+            if about.task != run.file.task:
+                raise RecordingError(f"{file}: about.task is not that of run.json")
+            check_condition(about.condition, run.world.timestep, f"{file}: about.condition")
+            conditions.append(about.condition)
+        elif conditions:
+            raise RecordingError(f"{file} is a demonstration among trials")
+    if not conditions:
+        for file, trial in zip(run.files(), run.trials(), strict=True):
+            yield trial, _shown(study, read_about(trial, file), file)
+        return
+    models = run.models
+    if missing := study.task.behaviours().keys() - models.keys():
+        raise RecordingError(f"{run.folder} has no model of {', '.join(sorted(missing))}")
+    yield from zip(run.trials(), perform_all(study, models, conditions, workers), strict=True)
+
+
+def _shown(study: Study, about: Performed | Demonstrated, where: object) -> Trial:
+    """A demonstration, shown again."""
+    assert isinstance(about, Demonstrated)
+    behaviours = study.task.behaviours()
+    if about.behaviour not in behaviours:
+        raise RecordingError(
+            f"{where}: about.behaviour is '{about.behaviour}'; the task has {', '.join(behaviours)}"
+        )
+    teacher = behaviours[about.behaviour].teacher
+    with threadpool_limits(1):
+        return show(
+            study.task.stage,
+            teacher,
+            about.attempt,
+            seed=about.seed,
+            sites=study.task.sites(),
+        )
+
+
+def _difference(one: Trial, other: Trial) -> float | None:
+    """Largest difference of two trials' signals; None where all bits agree."""
+    if {n: a.shape for n, a in one.arrays.items()} != {n: a.shape for n, a in other.arrays.items()}:
+        return float("inf")
+    same = (one.outcome, one.channels) == (other.outcome, other.channels)
+    if same and all(_same_bits(one[name], other[name]) for name in one.arrays):
+        return None
+    gaps = (np.abs(one[n] - other[n].astype(float)) for n in one.arrays)
+    return max(float(np.max(gap, initial=0)) for gap in gaps)
+
+
+def _same_bits(one: np.ndarray, other: np.ndarray) -> bool:
+    return one.dtype == other.dtype and one.tobytes() == other.tobytes()
+
+
+def _changes(then: dict[str, str | None]) -> list[str]:
+    now = versions(tuple(then.keys() - {"python"}))
+    changed = sorted(name for name in then if then[name] != now.get(name))
+    return [f"{name} {then[name]} then, {now.get(name)} now" for name in changed]

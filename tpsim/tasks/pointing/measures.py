@@ -1,0 +1,116 @@
+"""What is measured of pointing: angles to the objects, final posture, recovery from jumps."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import cast
+
+import numpy as np
+
+from tpsim.study import health
+from tpsim.study.measure import Measure
+from tpsim.study.record import Record, Records
+from tpsim.tasks.pointing.pointers import OBJECTS
+from tpsim.tasks.pointing.task import Pointing
+from tpsim.tasks.pointing.teacher import PHASES
+
+RECOVERED = 3.0
+"""Angle [deg] under which a jump counts as made good."""
+
+
+def angle(record: Record, name: str) -> np.ndarray:
+    """Angle (T,) [deg] between the axis that points and the way to an object."""
+    bearing = cast(Pointing, record.task).pointer.bearing(name)
+    return np.degrees(np.linalg.norm(record.see(bearing), axis=1))
+
+
+def phase_angle(record: Record, name: str) -> float:
+    """Angle [deg] to an object, mean of the last third of the phase in which it is pointed at."""
+    start, end = PHASES[name]
+    time = record.trial.time
+    last = (time >= end - (end - start) / 3) & (time < end)
+    return float(angle(record, name)[last].mean()) if last.any() else np.inf
+
+
+def phase_angles(
+    records: Records, labels: Sequence[str], across: Callable[[Sequence[float]], float]
+) -> float | None:
+    """Figure of all phases of all trials of some labels [deg]."""
+    found = [phase_angle(record, name) for record in records.select(labels) for name in OBJECTS]
+    return float(across(found)) if found else None
+
+
+def farthest_joint(record: Record) -> float | None:
+    """Farthest joint [rad] from rest at the end of a whole trial."""
+    if record.trial.time[-1] < record.task.duration - 0.1:
+        return None
+    return float(np.abs(record["q"][-1] - record.task.stage.robot.home).max())
+
+
+def recovery(record: Record) -> float:
+    """Time [s] from a jump of an object until the angle stays small, the longer of both.
+
+    It must stay so as long as nothing in the teacher's timing says to leave.
+    """
+    hurry = cast(Pointing, record.task).hurry
+    times = []
+    for path in record.condition.situation.objects:
+        clock = record.trial.time - path.times[-1]
+        stay = PHASES[path.name][1] - 3 * hurry - path.times[-1]
+        after = (clock >= 0) & (clock < stay)
+        wide = np.flatnonzero(angle(record, path.name)[after] > RECOVERED)
+        first = wide[-1] + 1 if wide.size else None
+        clock = clock[after]
+        if first is None:
+            times.append(0.0)
+        else:
+            times.append(float(clock[first]) if first < len(clock) else np.inf)
+    return max(times)
+
+
+_ANGLES = {
+    "angle": (("unpushed", "moving"), 1.5, "Angle error, objects at rest or moving"),
+    "angle_moving": (("moving",), 1.5, "The same, moving objects only"),
+    "angle_pushed": (("pushed", "moving pushed"), 4.0, "Angle error pushed with 10 N"),
+    "angle_moving_pushed": (("moving pushed",), 4.0, "The same, moving objects only"),
+}
+
+
+def _angle_measures() -> list[Measure]:
+    found = []
+    for name, (labels, limit, title) in _ANGLES.items():
+        worst = partial(phase_angles, labels=labels, across=max)
+        median = partial(phase_angles, labels=labels, across=np.median)
+        found += [
+            Measure(
+                f"{name}_deg", whole=worst, unit="deg", limit=limit, title=f"{title}, worst phase"
+            ),
+            Measure(f"{name}_median_deg", whole=median, unit="deg", title=f"{title}, median"),
+        ]
+    return found
+
+
+def measures(task: Pointing) -> tuple[Measure, ...]:
+    """Measures of pointing; a small arm is asked to be faster than one with fourteen joints."""
+    return (
+        *_angle_measures(),
+        Measure(
+            "posture_rad",
+            of=farthest_joint,
+            unit="rad",
+            limit=0.1,
+            title="Final posture from the taught one, farthest joint",
+        ),
+        Measure(
+            "jump_recovery_s",
+            of=recovery,
+            unit="s",
+            label="jump",
+            limit=0.5,
+            title="Time to make good a jump of an object, longest",
+        ),
+        health.SATURATED,
+        health.UNREACHABLE,
+        health.DIVERGED,
+        health.CONTACTS,
+        health.realtime(25.0 if task.robot == "planar3" else 8.0),
+    )

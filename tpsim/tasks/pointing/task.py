@@ -1,0 +1,131 @@
+"""Pointing at two objects in turn, and back to rest (Section 7, Fig. 10).
+
+The frames are candidate projections of Table 3: the arm's posture in the nullspace of its
+direction (Eq. 42), its direction in the robot's frame (Eq. 40), and its direction towards each
+object, which may move (Eq. 41); all are functions of time (Eq. 20).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from tpsim.controllers.product import Skill
+from tpsim.controllers.timed_intervention import TimedIntervention
+from tpsim.demonstration import Demonstration
+from tpsim.gaussian import Gaussian
+from tpsim.learning.subspace import MFA
+from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
+from tpsim.robot.views.joints import Joints
+from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
+from tpsim.tasks.pointing.pointers import BAXTER, OBJECTS, PLANAR, Pointer
+from tpsim.tasks.pointing.teacher import PHASES, SCHEDULE, PointingTeacher
+from tpsim.world.world import World
+
+POINTED, RESTED = float(np.radians(1.5)), 0.1
+"""Angles [rad] up to which the arm points at an object, and up to which it is at rest."""
+
+_POINTERS = {"planar3": PLANAR, "baxter": BAXTER}
+
+
+@dataclass(frozen=True)
+class Pointing(Task):
+    """Point at two objects in turn.
+
+    Parameters
+    ----------
+    robot : str
+        ``"planar3"``, an arm of three links in the plane, or ``"baxter"``, the gripper of its
+        left arm in space.
+    effort : float
+        Cost of acceleration [s^4/(kg m^2)]: the one number that sets how soft the robot is.
+    components : int
+        Gaussians over time.
+    factors : int
+        Factors of their covariances: time moves everything, what remains is each dimension's own.
+        Six demonstrations are too few to say how five joints depend on each other (Section 4.2).
+    hold : float
+        Standard deviation [rad] with which joints that were not taught hold their start.
+    restless : float
+        Standard deviation of the posture that the teacher prefers at rest [rad].
+    bent : float
+        Standard deviation of the posture that the teacher prefers while pointing [rad].
+    hurry : float
+        Standard deviation of the teacher's timing [s].
+    """
+
+    robot: Literal["planar3", "baxter"] = "planar3"
+    effort: float = 0.05
+    components: int = 6
+    factors: int = 1
+    hold: float = 0.1
+    restless: float = 0.02
+    bent: float = 0.06
+    hurry: float = 0.05
+
+    duration: ClassVar[float] = SCHEDULE[-1]
+
+    @property
+    def name(self) -> str:
+        """``pointing`` or ``pointing-baxter``."""
+        return "pointing" if self.robot == "planar3" else f"pointing-{self.robot}"
+
+    @property
+    def pointer(self) -> Pointer:
+        """The arm that points."""
+        return _POINTERS[self.robot]
+
+    @property
+    def teacher(self) -> PointingTeacher:
+        """Who shows it."""
+        return PointingTeacher(self.pointer, self.restless, self.bent, self.hurry)
+
+    def world(self) -> World:
+        """The robot and its two objects."""
+        return self.pointer.world()
+
+    def sites(self) -> Mapping[str, str]:
+        """What points, and how the arm is bent."""
+        return self.pointer.sites
+
+    def behaviours(self) -> Mapping[str, Behaviour]:
+        """Candidate frames over time, and the teacher."""
+        fit = partial(fit_over_time, components=self.components, factors=self.factors)
+        return {self.name: Behaviour(self.pointer.views, self.teacher, fit)}
+
+    def situation(self, world: World, rng: np.random.Generator) -> Situation:
+        """Draw a start near rest, and objects that the teacher could point at."""
+        teacher = self.teacher
+        start, objects = teacher.rest(world, rng), teacher.objects(world, rng)
+        for path in objects:
+            if not world.robot.is_comfortable(teacher.aim(world, path, rng)):
+                return self.situation(world, rng)
+        return Situation(tuple(start.tolist()), objects)
+
+    def controller(self, world: World, models: Models, situation: Situation) -> TimedIntervention:
+        """Point at the objects, wherever they move; joints that were not taught hold the start."""
+        deviation = np.full(world.robot.n, self.hold)
+        # 10 rad say nothing about the arm.
+        deviation[world.robot.index(self.pointer.joints)] = 10.0
+        return TimedIntervention(
+            Skill(self.pointer.views, models[self.name]),
+            effort=self.effort,
+            until=self.duration,
+            prior=Gaussian(np.array(situation.start), np.diag(deviation**2)),
+            timestep=world.timestep,
+        )
+
+    def goals(self) -> Mapping[str, Goal]:
+        """Point at each object while it is time to; be at rest in the end."""
+        pointer, robot = self.pointer, self.stage.robot
+        pointing = {name: Goal(pointer.bearing(name), POINTED, *PHASES[name]) for name in OBJECTS}
+        resting = Joints(pointer.joints).minus(robot.home[robot.index(pointer.joints)])
+        return pointing | {"rest": Goal(resting, RESTED, since=SCHEDULE[-2])}
+
+
+def fit_over_time(demonstrations: Sequence[Demonstration], components: int, factors: int) -> TPGMM:
+    """TP-GMM over time and all frames, Eq. (20), by mixtures of factor analysers."""
+    timed = [demonstration.with_time() for demonstration in demonstrations]
+    return fit_tp_gmm(timed, components, covariance=MFA(factors), start="time")

@@ -51,8 +51,9 @@ def main():
 def draw(figure):
     axes = plot.panels(figure, 1, 3)
     for axis, (order, plan) in zip(axes, solve().items(), strict=True):
-        position = Gaussian(plan.states, 1e-4 * plan.covariance / EFFORT**0.5).marginal([0, 1])
-        plot.tube(axis, position, label="path, with its spread (scaled)")
+        scale = 0.3**2 / plan.covariance[:, :2, :2].max()
+        position = Gaussian(plan.states, scale * plan.covariance).marginal([0, 1])
+        plot.tube(axis, position, label="path, with its spread (scaled to 0.3 m)")
         plot.points(axis, list(VIA.values()), label="via points")
         plot.title(axis, f"{order} integrator{'s' if order > 1 else ''}")
         axis.set_xlabel("x [m]")

@@ -45,16 +45,17 @@ def main():
 
 
 def draw(figure):
-    plane, *curves = plot.panels(figure, 1, 3, kind=["plane", "curve", "curve"])
-    for dt, colour in zip(STEPS, plot.PALETTE, strict=False):
-        states, time = path(dt), dt * np.arange(int(5 / dt) + 1)
-        plane.plot(*states[:, :2].T, color=colour, lw=1.6, label=f"time step {dt:g} s")
-        for k, axis in enumerate(curves):
-            axis.plot(time, states[:, k], color=colour, lw=1.6)
-            axis.set(xlabel="time [s]", ylabel=f"{'xy'[k]} [m]")
+    plane, curve = plot.panels(figure, 1, 2, kind=["plane", "curve"])
+    for dt, colour, style in zip(STEPS, plot.PALETTE, ("-", "--", ":"), strict=False):
+        plane.plot(*path(dt)[:, :2].T, style, color=colour, lw=2, label=f"time step {dt:g} s")
     plot.points(plane, [0, 0], marker="X", label="target")
     plane.set(xlabel="x [m]", ylabel="y [m]")
-    plot.legend(figure)
+    closed = impedance(PRECISION, EFFORT)
+    for k, name in enumerate(("stiffness [1/s²]", "damping [1/s]")):
+        gaps = [np.abs(found[k] - closed[k]).max() for found in solve().values()]
+        curve.loglog(STEPS, gaps, "o-", color=plot.PALETTE[3 + k], label=name)
+    curve.set(xlabel="time step [s]", ylabel="gap to the closed form")
+    plot.legend(figure, columns=3)
 
 
 if __name__ == "__main__":

@@ -35,7 +35,7 @@ def main():
         k = EFFORT**-0.5
         exact = np.sqrt(weight / EFFORT + 2 * k) / (2 * np.sqrt(k))
         figures[f"damping_ratio_{weight:g}"] = within(
-            D[0, 0] / (2 * np.sqrt(K[0, 0])), 0.97 * exact, 1.03 * exact, "continuous time"
+            D[0, 0] / (2 * np.sqrt(K[0, 0])), 0.95 * exact, 1.05 * exact, "continuous time"
         )
         overshoot = np.exp(-np.pi) if exact < 1 else 0.0
         figures[f"overshoot_{weight:g}"] = within(
@@ -51,7 +51,7 @@ def draw(figure):
         axis.plot(DT * np.arange(len(x)), x[:, 0], color=colour, lw=1.8, label=label)
     axis.axhline(0, color=plot.INK, lw=1, ls="--")
     axis.set(xlabel="time [s]", ylabel="position [m]")
-    plot.legend(figure, columns=2)
+    plot.legend(figure, columns=1)
 
 
 if __name__ == "__main__":

@@ -67,7 +67,7 @@ class Dance:
         swing = 0.5 * self.step * np.sin(beat)
         sway = 0.06 * np.sin(beat + 0.5)
         clasp = hips + _apply(R, ahead / 2 + [0, 0.45, 0.42])
-        back = hips + _apply(R, ahead + [0.08, -0.16, 0.38])
+        back = hips + _apply(R, ahead + np.array([0.08, -0.16, 0.38]))
         shoulder = hips + _apply(R, np.array([0.0, -SHOULDER, 0.52]))
         leader = _body(hips, R, swing, beat, 0.3 * sway, clasp, back)
         partner = _body(other, R_other, swing, beat, sway, shoulder, clasp)

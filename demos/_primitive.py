@@ -21,7 +21,7 @@ STIFFNESS, DAMPING, DT = 50.0, 10.0, 0.01
 TAUGHT = letters("G", samples=201)
 MEAN = np.mean([d.data for d in TAUGHT], axis=0)
 START, GOAL = np.r_[TAUGHT[0].data[0], 0.0, 0.0], TAUGHT[0].data[-1]
-NEW_GOAL = Frame(np.eye(2), GOAL + [0.0, 1.5])
+NEW_GOAL = Frame(np.eye(2), GOAL + np.array([0.0, 1.5]))
 S = decay(201, DT)
 
 

@@ -8,7 +8,9 @@ from _situations import WIDTH
 
 from tpsim.gallery import present
 
-main, draw = benchmark("GPR-GMM", (0.5 * WIDTH, 2.0), "outside the object: a regression does not extrapolate")
+main, draw = benchmark(
+    "GPR-GMM", (0.5 * WIDTH, 2.0), "outside the object: a regression does not extrapolate"
+)
 
 if __name__ == "__main__":
     present(__file__, main, draw)

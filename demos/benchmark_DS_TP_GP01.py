@@ -8,7 +8,9 @@ from _situations import WIDTH
 
 from tpsim.gallery import present
 
-main, draw = benchmark("TP-GP", (0, 0.25 * WIDTH), "a quarter of the object's width: frames carry the end")
+main, draw = benchmark(
+    "TP-GP", (0, 0.25 * WIDTH), "a quarter of the object's width: frames carry the end"
+)
 
 if __name__ == "__main__":
     present(__file__, main, draw)

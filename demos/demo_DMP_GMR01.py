@@ -28,7 +28,9 @@ def main():
     _, _, path = retrieve()
     return {
         "distance_to_goal_m": shared.miss(path, shared.GOAL, 0.1, "the force has faded to 13 %"),
-        "rms_from_the_mean_letter_m": shared.rms_from_mean(path, 0.15, "20 round Gaussians: coarse"),
+        "rms_from_the_mean_letter_m": shared.rms_from_mean(
+            path, 0.15, "20 round Gaussians: coarse"
+        ),
     }
 
 

@@ -41,7 +41,9 @@ def swing(steps=600, speed=0.005):
 
 def main():
     still = "the task Jacobian holds the hand; a step's curvature is put right in the next"
-    moved = {name: np.abs(ARM.position(q()) - PLACE) for name, q in (("turn", turn), ("elbow", swing))}
+    moved = {
+        name: np.abs(ARM.position(q()) - PLACE) for name, q in (("turn", turn), ("elbow", swing))
+    }
     elbow = np.linalg.norm(np.diff(ARM.points(swing())[:, 1], axis=0), axis=1).sum()
     return {
         "angle_error_rad": within(

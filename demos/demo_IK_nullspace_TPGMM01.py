@@ -36,7 +36,9 @@ def main():
         most = 0.05 if share != 0.5 else 0.45
         reason = "served first: only the lag of the step" if share != 0.5 else "half each"
         figures[f"{name}_served_m"] = within(served, 0, most, reason)
-        figures[f"{name}_other_m"] = within(other, 0.2, 0.8, "the targets part farther than it reaches")
+        figures[f"{name}_other_m"] = within(
+            other, 0.2, 0.8, "the targets part farther than it reaches"
+        )
     return figures
 
 
@@ -45,7 +47,9 @@ def draw(figure):
     for i, axis in enumerate(axes):
         name, goals = list(SHARES)[i % 3], (TAUGHT, NEW)[i // 3]
         q = learn(name)[i // 3][[0, 25, 50, 75]]
-        for arm, goal, colour in zip((shared.LEFT, shared.RIGHT), (0, 1), plot.PALETTE, strict=False):
+        for arm, goal, colour in zip(
+            (shared.LEFT, shared.RIGHT), (0, 1), plot.PALETTE, strict=False
+        ):
             plot.arm(axis, arm, q, colour, label=("left arm", "right arm")[goal])
             axis.plot(*goals[:, goal].T, color=plot.INK, lw=1.2, ls="--", label="targets", zorder=3)
         plot.points(axis, goals[75], marker="X", label="targets, farthest out")

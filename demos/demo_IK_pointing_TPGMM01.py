@@ -40,22 +40,24 @@ def main():
         figures[f"first_{name}_deg"] = within(first, 0, 1, good)
         figures[f"second_{name}_deg"] = within(second, 0, 1, good)
         back = np.abs(q[-1] - shared.START).max()
-        figures[f"posture_{name}_rad"] = within(back, 0, 0.02, "a degree: the last frame is joint space")
+        figures[f"posture_{name}_rad"] = within(
+            back, 0, 0.02, "a degree: every demonstration ends in this posture"
+        )
     return figures
 
 
 def draw(figure):
     axes = plot.panels(figure, 2, 3, size=(3.0, 1.9))
-    for i, axis in enumerate(axes):
-        (name, (objects, q, _)), t = list(reproduce().items())[i // 3], list(MOMENTS.values())[i % 3]
-        objects = objects + [[0, 0], [0, SPEEDS[name] * t * shared.DT]]
-        plot.arm(axis, shared.ARM, q[max(t - 44, 0) : t + 1 : 11], label="arm, light to dark")
-        ray = shared.ARM.position(q[t]) + [[0, 0], 0.9 * np.r_[np.cos(q[t].sum()), np.sin(q[t].sum())]]
-        axis.plot(*ray.T, ":", color=plot.INK, label="where it points")
-        for k, colour in enumerate(plot.PALETTE[:2]):
-            plot.points(axis, objects[k], colour, label=("first object", "second object")[k])
-        plot.title(axis, list(MOMENTS)[i % 3] if i < 3 else "")
-        axis.set_ylabel(f"second {name}\ny [m]" if i % 3 == 0 else "")
+    for i, (name, (start, q, _)) in enumerate(reproduce().items()):
+        for axis, (moment, t) in zip(axes[3 * i :], MOMENTS.items(), strict=False):
+            objects = start + np.outer([0, t * shared.DT], [0, SPEEDS[name]])
+            plot.arm(axis, shared.ARM, q[max(t - 44, 0) : t + 1 : 11], label="arm, light to dark")
+            ray = np.outer([0, 0.9], [np.cos(q[t].sum()), np.sin(q[t].sum())])
+            axis.plot(*(shared.ARM.position(q[t]) + ray).T, ":", color=plot.INK, label="direction")
+            for place, colour, label in zip(objects, plot.PALETTE, ("first", "second"), strict=False):
+                plot.points(axis, place, colour, label=f"{label} object")
+            plot.title(axis, moment if i == 0 else "")
+        axes[3 * i].set_ylabel(f"second {name}\ny [m]")
     plot.same_view(axes)
     plot.legend(figure)
 

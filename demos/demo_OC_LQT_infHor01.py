@@ -36,7 +36,9 @@ def main():
     gaps = [[np.abs(K - stiffness).max(), np.abs(D - damping).max()] for K, D in solve().values()]
     end = np.linalg.norm(path(0.01)[-1, :2])
     figures = {"end_m": within(end, 0, 0.01, "5 s are ten time constants of the slow direction")}
-    for name, (coarse, fine, finest) in zip(("stiffness", "damping"), zip(*gaps), strict=True):
+    for name, (coarse, fine, finest) in zip(
+        ("stiffness", "damping"), np.transpose(gaps), strict=True
+    ):
         figures[f"{name}_gap_finest"] = within(finest, 0, 0.05, "tends to the closed form")
         figures[f"{name}_gap_falls_by"] = within(
             fine / finest, 8, 12, f"first order in the step: ten times finer, from {coarse:.2g}"

@@ -34,7 +34,10 @@ def main():
             np.abs(batch - rollouts[0]).max(), 0, 1e-9, "one optimum, found in two ways"
         ),
         "ends_apart_m": within(
-            np.ptp([path[-1, :2] for path in rollouts], axis=0).max(), 0, 0.01, "starts are forgotten"
+            np.ptp([path[-1, :2] for path in rollouts], axis=0).max(),
+            0,
+            0.01,
+            "starts are forgotten",
         ),
     }
 

@@ -59,7 +59,9 @@ def draw(figure):
     plot.same_view([axis])
     x, y = np.meshgrid(np.linspace(*axis.get_xlim(), 120), np.linspace(*axis.get_ylim(), 120))
     values = cost(np.stack([x, y], axis=-1)) - cost(product.mean)
-    axis.contour(x, y, values, [0.25, 1, 4, 9, 16, 25, 36], colors=plot.INK, linewidths=0.6, alpha=0.5)
+    axis.contour(
+        x, y, values, [0.25, 1, 4, 9, 16, 25, 36], colors=plot.INK, linewidths=0.6, alpha=0.5
+    )
     axis.set(xlabel="x [m]", ylabel="y [m]")
     plot.legend(figure, columns=3)
 

@@ -14,6 +14,7 @@ FLOORS = (
     "root",
     "learning",
     ("retrieval", "control"),
+    "plot",
     "sim",
     "tasks",
     ("experiment", "bench"),
@@ -21,7 +22,7 @@ FLOORS = (
 )
 SIMULATION = {"mujoco", "pinocchio", "mink", "dm_control", "dm_env"}
 PLAIN = {"numpy", "scipy"}
-ROOMS = {"__init__": "root", "cli": "cli", "commands": "cli", "options": "cli"}
+ROOMS = {"__init__": "root", "cli": "cli", "commands": "cli", "options": "cli", "gallery": "cli"}
 
 
 def height(room):
@@ -56,7 +57,7 @@ def offences(source, module):
             other = room_of(target)
             allowed = other == room or height(other) < height(room)
             # tpsim/__init__.py shows the mathematics flat.
-            allowed |= module == "tpsim.__init__" and height(other) < height("sim")
+            allowed |= module == "tpsim.__init__" and height(other) < height("plot")
         else:
             allowed = package not in SIMULATION or height(room) >= height("sim")
         if not allowed:

@@ -131,6 +131,17 @@ def run_all(
     return results
 
 
+def brief(result: Result) -> dict[str, str | float]:
+    """Return a result as one row of a table: name, seconds, figures out of bounds, picture."""
+    outside = [shown["figure"] for shown in result["figures"] if not shown["holds"]]
+    return {
+        "name": result["name"],
+        "seconds": result["seconds"],
+        "out_of_bounds": ", ".join(outside) or "none",
+        "picture": result["picture"],
+    }
+
+
 def present(script: str, main: Main, draw: Draw) -> None:
     """Print a demo's figures, write its picture and say where: the last line of every script."""
     result = _result(Path(script), main, draw, perf_counter(), None, show=False)

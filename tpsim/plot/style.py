@@ -108,9 +108,9 @@ def same_view(axes: Sequence[Axes], margin: float = 0.06) -> None:
     low, high = boxes[:, 0].min(0), boxes[:, 1].max(0)
     room = margin * (high - low).max()
     for axis in axes:
-        axis.set(xlim=(low[0] - room, high[0] + room), ylim=(low[1] - room, high[1] + room))
         if axis.get_aspect() == 1:
             axis.set_aspect("equal", adjustable="box")
+        axis.set(xlim=(low[0] - room, high[0] + room), ylim=(low[1] - room, high[1] + room))
 
 
 def shades(colour: str, count: int, lightest: float = 0.75) -> list[str]:

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from tpsim import rotation
 from tpsim.experiment import plot
 from tpsim.experiment.canvas import INK, PALETTE, new_figure
-from tpsim.experiment.plane import draw_frames
 from tpsim.experiment.report import Picture, Section
 from tpsim.experiment.studies.study import select
 from tpsim.frame import Frame
+from tpsim.plot import frames as draw_frames
 from tpsim.sim.trial import Trial
 from tpsim.sim.video import Clip, Ellipsoid
 from tpsim.tasks import docks
@@ -77,7 +77,8 @@ def _paths(records, groups: Mapping[str, Sequence[Trial]]):
             axis.plot(*trial["left_hand_position"][:, :2].T, color=INK, lw=3, alpha=0.25)
         for trial in trials[:SITUATIONS]:
             axis.plot(*trial["left_hand_position"][:, :2].T, color=PALETTE[0], lw=1.4)
-            draw_frames(axis, [_from_above(trial, name) for name in docks.NAMES])
+            draw_frames(axis, [_from_above(trial, name) for name in docks.NAMES], PALETTE[1:])
+        axis.set_aspect("equal")
         axis.set_title(text, color=INK, fontsize=9.5, loc="left", fontweight="bold")
         axis.set_xlabel("x [m]", color=INK)
     axes[0].set_ylabel("y [m]", color=INK)

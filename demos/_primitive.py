@@ -1,21 +1,28 @@
 """What the rows of movement primitives share: letters, a decay s, a spring and a damper."""
 
+from collections.abc import Callable
+from functools import cache
+
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from tpsim import (
+    GMM,
     Demonstration,
     Frame,
     Gaussian,
     Motion,
     attractor_path,
     decay,
+    forced_attractor,
     forcing_term,
+    gmr,
     plot,
     spring_damper,
 )
 from tpsim.examples import letters
-from tpsim.gallery import Bounded, within
+from tpsim.gallery import Bounded, Draw, Main, within
 
 STIFFNESS, DAMPING, DT = 50.0, 10.0, 0.01
 TAUGHT = letters("G", samples=201)
@@ -57,6 +64,37 @@ def rms_from_mean(path: np.ndarray, greatest: float, reason: str) -> Bounded:
 def miss(path: np.ndarray, goal: np.ndarray, greatest: float, reason: str) -> Bounded:
     """Distance between the end and the goal [m]."""
     return within(np.linalg.norm(path[-1] - goal), 0, greatest, reason)
+
+
+def force_row(learn: Callable[[], GMM], greatest: float, reason: str) -> tuple[Main, Draw]:
+    """Functions ``main`` and ``draw`` of a row that learns the forcing term [s, F].
+
+    ``greatest`` bounds the root mean square distance from the mean letter [m], with its reason.
+    """
+
+    @cache
+    def retrieve() -> tuple[Gaussian, Gaussian, np.ndarray]:
+        forcing = gmr(learn(), S)
+        attractor = forced_attractor(GOAL, forcing.mean, S, STIFFNESS)
+        # The force is s F, so its spread fades with s; stiffness turns it into a displacement.
+        spread = (S / STIFFNESS)[:, None, None] ** 2 * forcing.covariance
+        return forcing, Gaussian(attractor, spread), follow(attractor)
+
+    def main() -> dict[str, Bounded]:
+        path = retrieve()[2]
+        return {
+            "distance_to_goal_m": miss(path, GOAL, 0.1, "the force has faded to 13 %"),
+            "rms_from_the_mean_letter_m": rms_from_mean(path, greatest, reason),
+        }
+
+    def draw_row(figure: Figure) -> None:
+        forcing, attractor, path = retrieve()
+        plane, curve = plot.panels(figure, 1, 2, kind=["plane", "curve"])
+        draw(plane, path, attractor, GOAL)
+        draw_forces(curve, forcing)
+        plot.legend(figure, columns=3)
+
+    return main, draw_row
 
 
 def draw(axis: Axes, path: np.ndarray, attractor: Gaussian, goal: np.ndarray) -> None:

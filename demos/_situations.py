@@ -12,7 +12,7 @@ from tpsim import Gaussian, plot
 from tpsim.examples import u_demonstrations
 from tpsim.experiment.compare import measure, situations
 from tpsim.experiment.methods import METHODS
-from tpsim.gallery import Bounded, within
+from tpsim.gallery import Bounded, Draw, Main, within
 
 TAUGHT = u_demonstrations(8)
 SITUATIONS = situations()
@@ -63,6 +63,11 @@ def draw(figure, *rows: Sequence[Gaussian], names: Sequence[str] = (), tracks=()
             axis.set_xlabel("x [m]")
     plot.same_view(axes)
     plot.legend(figure)
+
+
+def row(retrieve: Callable[[], Sequence[Gaussian]]) -> tuple[Main, Draw]:
+    """Functions ``main`` and ``draw`` of a row that shows one method."""
+    return lambda: figures(retrieve()), lambda figure: draw(figure, retrieve())
 
 
 def learn(method: str) -> Callable[..., Gaussian]:

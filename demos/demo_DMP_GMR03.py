@@ -45,7 +45,7 @@ def draw(figure):
     plane, curve = plot.panels(figure, 1, 2, kind=["plane", "curve"])
     shared.draw(plane, path, attractor, shared.MEAN[-1])
     curve.plot(shared.DT * np.arange(len(path)), ahead(), color=plot.PALETTE[1])
-    curve.set(xlabel="time [s]", ylabel="attractor ahead of the movement [m]")
+    curve.set(xlabel="time [s]", ylabel="lead of the attractor [m]")
     plot.legend(figure)
 
 

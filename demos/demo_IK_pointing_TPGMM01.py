@@ -54,9 +54,11 @@ def draw(figure):
             plot.arm(axis, shared.ARM, q[max(t - 44, 0) : t + 1 : 11], label="arm, light to dark")
             ray = np.outer([0, 0.9], [np.cos(q[t].sum()), np.sin(q[t].sum())])
             axis.plot(*(shared.ARM.position(q[t]) + ray).T, ":", color=plot.INK, label="direction")
-            for place, colour, label in zip(objects, plot.PALETTE, ("first", "second"), strict=False):
+            for place, colour, label in zip(
+                objects, plot.PALETTE, ("first", "second"), strict=False
+            ):
                 plot.points(axis, place, colour, label=f"{label} object")
-            plot.title(axis, moment if i == 0 else "")
+            axis.set(title=moment if i == 0 else "", xlabel="x [m]" if i == 1 else "")
         axes[3 * i].set_ylabel(f"second {name}\ny [m]")
     plot.same_view(axes)
     plot.legend(figure)

@@ -19,13 +19,7 @@ def retrieve():
     return shared.adapt(lambda frames: model.adapt(frames).marginal())
 
 
-def main():
-    return shared.figures(retrieve())
-
-
-def draw(figure):
-    shared.draw(figure, retrieve())
-
+main, draw = shared.row(retrieve)
 
 if __name__ == "__main__":
     present(__file__, main, draw)

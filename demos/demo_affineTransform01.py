@@ -47,15 +47,15 @@ def main():
 def draw(figure):
     axes, demonstrations = plot.panels(figure, 1, 3), observe()["x"]
     plot.demonstrations(axes[0], demonstrations, label="demonstrations")
+    axes[0].set_ylabel("y [m]")
     for d in demonstrations:
         plot.frames(axes[0], d.frames, size=0.6, labels=("first object", "second object"))
     for j, axis in enumerate(axes[1:]):
         plot.demonstrations(axis, [d.observations[j] for d in demonstrations])
         plot.frames(axis, [Frame(np.eye(2), np.zeros(2))], plot.PALETTE[2 + j :])
     for axis, name in zip(axes, ("common coordinates", "first frame", "second frame"), strict=True):
-        plot.title(axis, name)
         axis.set_xlabel("x [m]")
-    axes[0].set_ylabel("y [m]")
+        plot.title(axis, name)
     plot.legend(figure)
 
 

@@ -9,7 +9,6 @@ import pytest
 import tpsim.bench
 from tpsim import cli, experiment, paths, tasks
 from tpsim.errors import ArgumentError, RecordingError, SimulationError
-from tpsim import gallery
 from tpsim.experiment.recording import open_run
 from tpsim.sim.trial import Trial
 

@@ -229,12 +229,15 @@ def _texts(script: Path) -> tuple[str, str]:
 
 
 def _nearest(name: str, names: dict[str, Path]) -> str:
-    lower = {known.lower(): known for known in names}
-    for prefix in ("", "demo_", "benchmark_ds_"):
-        near = difflib.get_close_matches(prefix + name.lower(), lower, n=3, cutoff=0.6)
-        if near:
-            return f"; did you mean {' or '.join(repr(lower[found]) for found in near)}?"
-    return "; tpsim demo lists the names"
+    short = {_short(known): known for known in reversed(names)}
+    near = difflib.get_close_matches(_short(name), short, n=3, cutoff=0.6)
+    if not near:
+        return "; tpsim demo lists the names"
+    return f"; did you mean {' or '.join(repr(short[found]) for found in near)}?"
+
+
+def _short(name: str) -> str:
+    return name.lower().removeprefix("demo_").removeprefix("benchmark_").removeprefix("ds_")
 
 
 @contextlib.contextmanager

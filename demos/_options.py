@@ -35,7 +35,8 @@ def chain_of(gmm: GMM, data: Sequence[np.ndarray]) -> SemiMarkovChain:
     of a state, and otherwise the longest does.
     """
     K = gmm.components
-    follows, parts, stays = np.zeros((K, K)), np.ones((K, 1)), [[] for _ in range(K)]
+    follows, parts = np.zeros((K, K)), np.ones((K, 1))
+    stays: list[list[int]] = [[] for _ in range(K)]
     sequences = [gmm.responsibilities(piece).argmax(1) for piece in data]
     for states in sequences:
         changes = np.flatnonzero(np.diff(states)) + 1
@@ -47,7 +48,8 @@ def chain_of(gmm: GMM, data: Sequence[np.ndarray]) -> SemiMarkovChain:
             stays[stay[0]].append(len(stay))
     start = np.eye(K)[sequences[0][0]]
     chances = follows / np.maximum(follows.sum(1, keepdims=True), 1)
-    mean = [[np.mean(stay)] if stay else part for stay, part in zip(stays, parts, strict=True)]
+    whole_ones = zip(stays, parts, strict=True)
+    mean = np.array([[np.mean(stay)] if stay else part for stay, part in whole_ones])
     return SemiMarkovChain(start, chances, Gaussian(mean, np.ones((K, 1, 1))))
 
 

@@ -46,7 +46,7 @@ def attractors() -> list[np.ndarray]:
 def seen_from_goal() -> list[Demonstration]:
     """Attractors over the decay [s, x], each seen from its own goal."""
     return [
-        Demonstration(d.time, path, [Frame(np.eye(2), d.data[-1])]).with_time(S)
+        Demonstration(d.time, path, (Frame(np.eye(2), d.data[-1]),)).with_time(S)
         for d, path in zip(TAUGHT, attractors(), strict=True)
     ]
 

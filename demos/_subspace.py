@@ -19,7 +19,7 @@ def subspaces(name: str, structure: Structure, parameters: int) -> tuple[Main, D
     def learn() -> tuple[list[np.ndarray], dict[str, GMM]]:
         both = zip(letters("C", count=5), letters("S", count=5), strict=True)
         data = [np.hstack([c.data, s.data]) for c, s in both]
-        kinds = {name: structure, "full": "full"}
+        kinds: dict[str, str | Structure] = {name: structure, "full": "full"}
         return data, {
             kind: fit_gmm(data, COMPONENTS, covariance=covariance, start="time")
             for kind, covariance in kinds.items()

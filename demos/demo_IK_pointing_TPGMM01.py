@@ -58,7 +58,8 @@ def draw(figure):
                 objects, plot.PALETTE, ("first", "second"), strict=False
             ):
                 plot.points(axis, place, colour, label=f"{label} object")
-            axis.set(title=moment if i == 0 else "", xlabel="x [m]" if i == 1 else "")
+            axis.set_xlabel("x [m]" if i == 1 else "")
+            plot.title(axis, moment if i == 0 else "")
         axes[3 * i].set_ylabel(f"second {name}\ny [m]")
     plot.same_view(axes)
     plot.legend(figure)

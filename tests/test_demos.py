@@ -20,17 +20,54 @@ from scipy.fft import dctn
 from tpsim import gallery
 from tpsim.paths import DEMOS
 
-TABLE_2 = """
-demo_affineTransform01 demo_DMP_GMR01 demo_DMP_GMR02 demo_DMP_GMR03 demo_DMP_GMR04
-demo_DMP_GMR_LQR01 demo_DTW01 demo_GMM01 demo_GMM_HDDC01 demo_GMM_MFA01 demo_GMM_MPPCA01 demo_GMR01
-demo_GPR01 demo_IK01 demo_IK02 demo_IK_expForm01 demo_IK_nullspace_TPGMM01 demo_IK_pointing_TPGMM01
-demo_OC_LQT01 demo_OC_LQT02 demo_OC_LQT_infHor01 demo_OC_LQT_infHor02 demo_OC_LQT_infHor03
-demo_OC_LQT_infHor04 demo_OC_LQT_recursive01 demo_OC_LQT_recursive02 demo_OC_LQT_recursive03
-demo_spring01 demo_stdPGMM01 demo_TPGMM01 demo_TPGMR01 demo_TPGP01 demo_TPLQT01 demo_TPproMP01
-demo_TPtrajDistrib01 demo_TPtrajGMM01 demo_trajGMM01 demo_trajHSMM01
-benchmark_DS_GP_GMM01 benchmark_DS_GP_raw01 benchmark_DS_PGMM01 benchmark_DS_TP_GMM01
-benchmark_DS_TP_GP01 benchmark_DS_TP_LWR01 benchmark_DS_TP_MFA01 benchmark_DS_TP_trajGMM01
-""".split()
+TABLE_2 = [
+    "demo_affineTransform01",
+    "demo_DMP_GMR01",
+    "demo_DMP_GMR02",
+    "demo_DMP_GMR03",
+    "demo_DMP_GMR04",
+    "demo_DMP_GMR_LQR01",
+    "demo_DTW01",
+    "demo_GMM01",
+    "demo_GMM_HDDC01",
+    "demo_GMM_MFA01",
+    "demo_GMM_MPPCA01",
+    "demo_GMR01",
+    "demo_GPR01",
+    "demo_IK01",
+    "demo_IK02",
+    "demo_IK_expForm01",
+    "demo_IK_nullspace_TPGMM01",
+    "demo_IK_pointing_TPGMM01",
+    "demo_OC_LQT01",
+    "demo_OC_LQT02",
+    "demo_OC_LQT_infHor01",
+    "demo_OC_LQT_infHor02",
+    "demo_OC_LQT_infHor03",
+    "demo_OC_LQT_infHor04",
+    "demo_OC_LQT_recursive01",
+    "demo_OC_LQT_recursive02",
+    "demo_OC_LQT_recursive03",
+    "demo_spring01",
+    "demo_stdPGMM01",
+    "demo_TPGMM01",
+    "demo_TPGMR01",
+    "demo_TPGP01",
+    "demo_TPLQT01",
+    "demo_TPproMP01",
+    "demo_TPtrajDistrib01",
+    "demo_TPtrajGMM01",
+    "demo_trajGMM01",
+    "demo_trajHSMM01",
+    "benchmark_DS_GP_GMM01",
+    "benchmark_DS_GP_raw01",
+    "benchmark_DS_PGMM01",
+    "benchmark_DS_TP_GMM01",
+    "benchmark_DS_TP_GP01",
+    "benchmark_DS_TP_LWR01",
+    "benchmark_DS_TP_MFA01",
+    "benchmark_DS_TP_trajGMM01",
+]
 NAMED_IN_THE_TEXT = ["demo_TPHDDC01", "demo_TPMFA01", "demo_TPMPPCA01"]
 FIGURES = ["figure03", "figure04", "figure05", "figure06", "figure08"]
 NAMES = list(gallery.titles())

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, SupportsFloat, TypedDict
 
 from tpsim import paths
 from tpsim.errors import ArgumentError, TpsimError
@@ -74,7 +74,9 @@ Main = Callable[[], dict[str, Bounded]]
 Draw = Callable[["Figure"], None]
 
 
-def within(value: float, least: float, greatest: float, reason: str) -> Bounded:
+def within(
+    value: SupportsFloat, least: SupportsFloat, greatest: SupportsFloat, reason: str
+) -> Bounded:
     """Return a number with its bounds and the reason for them, see :class:`Bounded`."""
     return Bounded(float(value), float(least), float(greatest), reason)
 

@@ -38,5 +38,6 @@ def matrix(axis: Axes, values: ArrayLike) -> None:
     values = np.asarray(values, float)
     limit = max(float(np.abs(values).max()), 1e-300)
     axis.imshow(values, cmap="RdBu_r", vmin=-limit, vmax=limit, interpolation="nearest")
+    axis.set_aspect("equal", adjustable="box")
     axis.set(xticks=[], yticks=[])
     axis.spines[:].set(visible=True, color=INK, alpha=0.5, linewidth=0.8)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
@@ -85,7 +86,7 @@ def title(axis: Axes, text: str) -> None:
 
 def legend(figure: Figure, columns: int = 5) -> None:
     """Name every label once, below all panels."""
-    handles = {}
+    handles: dict[str, Artist] = {}
     for axis in figure.axes:
         for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)

@@ -35,7 +35,7 @@ def subspaces(name: str, structure: Structure, parameters: int) -> tuple[Main, D
             ),
             "free_parameters_full": within(full.free_parameters, 59, 59, "4 (4 + 10) + 3"),
             "log_likelihood_lost": within(
-                price, 0, 1.5, "fewer parameters fit worse, and not much: nats of a sample"
+                price, 0, 1.5, "fewer parameters cost likelihood; nats per sample"
             ),
             "smallest_gain_of_an_iteration": within(
                 np.diff(small.history).min(), -1e-9, np.inf, "EM never lowers the likelihood"

@@ -41,7 +41,7 @@ def main():
             np.ptp(np.log10(stiffness[:-20])), 0.3, 3, "powers of ten: it varies with the spread"
         ),
         "correlation_of_stiffness_and_spread": within(
-            agree, -1, -0.7, "stiff where thin: precision is the inverse of the covariance"
+            agree, -1, -0.7, "stiff where the spread is small: precision is its inverse"
         ),
     }
 

@@ -36,7 +36,7 @@ def main():
     return {
         "spread_as_written_m": within(spread(written), 0.3, 1.0, "a stroke's width: out of step"),
         "spread_aligned_m": within(
-            spread(aligned), 0, own, f"not above that of the letters before the change: {own:.3f}"
+            spread(aligned), 0, own, f"at most the spread before the timing was changed: {own:.3f}"
         ),
     }
 

@@ -30,7 +30,9 @@ def main():
         "smallest_gain_of_an_iteration": within(
             np.diff(gmm.history).min(), -1e-12, np.inf, "EM never lowers the likelihood"
         ),
-        "least_prior": within(gmm.priors.min(), 0.05, 0.2, "no component has died: 1/5 on average"),
+        "least_prior": within(
+            gmm.priors.min(), 0.05, 0.2, "no component is empty; the average is 1/5"
+        ),
     }
 
 

@@ -26,7 +26,7 @@ def main():
             near, 0, 0.5 * shared.WIDTH, "the end is inside the second object"
         )
         figures[f"{name}_end_error_far_m"] = within(
-            far, 0.5 * shared.WIDTH, 2.0, "outside the object: the mean is no extrapolation"
+            far, 0.5 * shared.WIDTH, 2.0, "outside the object: a GP returns to its mean"
         )
     spread = [path.covariance[0, 0, 0] ** 0.5 for path in retrieve()["GPR"]]
     figures["GPR_spread_far_over_near"] = within(

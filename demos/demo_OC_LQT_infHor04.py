@@ -37,7 +37,9 @@ def main():
     return {
         "rms_infinite_horizon_m": REFERENCE.rms(path, 0.3, "no foresight: it lags and cuts"),
         "rms_finite_horizon_m": REFERENCE.rms(ahead, 0.1, "it leaves before the state changes"),
-        "radius_with_discrete_gains": within(discrete, 0, 1 - 1e-6, "stable inside the circle"),
+        "radius_with_discrete_gains": within(
+            discrete, 0, 1 - 1e-6, "stable: inside the unit circle"
+        ),
         "radius_with_continuous_gains": within(
             continuous, 1.0, 10, "gains that ask for more than a step of 0.01 s can give"
         ),

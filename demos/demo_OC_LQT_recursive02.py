@@ -37,7 +37,7 @@ def main():
             np.ptp([path[-1, :2] for path in rollouts], axis=0).max(),
             0,
             0.01,
-            "starts are forgotten",
+            "the feedback leads every start to the same end",
         ),
     }
 

@@ -37,7 +37,7 @@ def main():
     far = length(product[-1]) / length(regression[-1])
     return shared.figures(regression) | {
         "length_product_over_regression": within(
-            far, 1.0, 2.5, "farthest situation: detours make the path longer, never shorter"
+            far, 1.0, 2.5, "farthest situation: the product of mixtures makes detours"
         )
     }
 

@@ -41,7 +41,9 @@ def main():
     return {
         "largest_miss_shown_m": within(shown, 0, 0.05, "the map was fitted to these situations"),
         "median_miss_as_far_m": within(near, 0, 0.05, "12 situations determine the map"),
-        "median_miss_far_over_near": within(far / near, 3, 30, "it is an extrapolation"),
+        "median_miss_far_over_near": within(
+            far / near, 3, 30, "an affine map extrapolates outside the taught range"
+        ),
     }
 
 

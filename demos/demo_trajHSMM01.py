@@ -32,10 +32,10 @@ def main():
     likeliest, *sampled = (np.linalg.norm(path.mean - mean, axis=1).max() for path in paths)
     return {
         "durations_sum_steps": within(
-            model.chain.durations.mean.sum(), 0.98 * T, 1.02 * T, "the stays fill the movement"
+            model.chain.durations.mean.sum(), 0.98 * T, 1.02 * T, "durations add up to the movement"
         ),
         "likeliest_from_mean_letter_m": within(
-            likeliest, 0, 0.1, "within the spread of the letters"
+            likeliest, 0, 0.1, "within the spread of the demonstrations"
         ),
         "sampled_from_mean_letter_m": within(
             max(sampled), 0.1, 1.0, "other durations, another timing; still the letter, 2 m high"

@@ -5,14 +5,13 @@ have to be tied to make that movement; a method of Section 8 adapts it to the ne
 the same spring and damper make the movement again.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cache
 
 import _situations as shared
 import numpy as np
 
 from tpsim import Demonstration, Gaussian, Motion, attractor_path, spring_damper
-from tpsim.experiment.methods import METHODS
 from tpsim.gallery import Bounded, Draw, Main, within
 
 STIFFNESS, DAMPING = 100.0, np.sqrt(200.0)
@@ -43,8 +42,7 @@ def benchmark(
 
     @cache
     def retrieve() -> tuple[list, list]:
-        adapt: Callable = METHODS[method](encode(shared.TAUGHT))
-        paths = shared.adapt(adapt)
+        paths = shared.adapt(shared.learn(method, encode(shared.TAUGHT)))
         dt = float(shared.TAUGHT[0].time[1])
         ways = [
             follow(path.mean, frames[0].b, dt)

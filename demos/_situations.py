@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from tpsim import Gaussian, plot
+from tpsim import Demonstration, Gaussian, plot
 from tpsim.examples import u_demonstrations
 from tpsim.experiment.compare import measure, situations
 from tpsim.experiment.methods import METHODS
@@ -70,6 +70,6 @@ def row(retrieve: Callable[[], Sequence[Gaussian]]) -> tuple[Main, Draw]:
     return lambda: figures(retrieve()), lambda figure: draw(figure, retrieve())
 
 
-def learn(method: str) -> Callable[..., Gaussian]:
-    """Learn with one of the methods of Section 8."""
-    return METHODS[method](TAUGHT)
+def learn(method: str, demonstrations: Sequence[Demonstration] = TAUGHT) -> Callable[..., Gaussian]:
+    """Learn with one of the methods of Section 8; return how to retrieve given frames."""
+    return METHODS[method](demonstrations)

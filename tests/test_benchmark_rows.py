@@ -29,7 +29,7 @@ FOLLOW_THE_FRAMES = ("TP-GMM", "TP-MFA", "TP-trajGMM", "TP-GP", "TP-LWR")
 
 
 @pytest.fixture(scope="module")
-def shared():
+def benchmark():
     sys.path.insert(0, str(DEMOS))
     try:
         import _benchmark
@@ -54,10 +54,10 @@ def reference():
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_movements_are_those_of_the_reference(method, shared, reference):
+def test_movements_are_those_of_the_reference(method, benchmark, reference):
     taught, tasks, paths = reference
-    adapt = shared.METHODS[method](shared.encode(taught))
-    ways = [shared.follow(adapt(frames).mean, frames[0].b, DT) for frames in tasks]
+    adapt = benchmark.shared.learn(method, benchmark.encode(taught))
+    ways = [benchmark.follow(adapt(frames).mean, frames[0].b, DT) for frames in tasks]
     goals = [frames[1].b for frames in tasks]
     if METHODS[method] is not None:
         gaps = np.sqrt(((np.array(ways) - paths[method]) ** 2).sum(-1).mean(-1))

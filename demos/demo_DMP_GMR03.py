@@ -1,53 +1,53 @@
 """demo_DMP_GMR03: GMR retrieves the path of the attractor of a movement primitive (Section 5.1).
 
 Look for: the same spring and damper as in demo_DMP_GMR02, tied to a moving point instead of being
-pushed; the attractor runs ahead of the path that follows it.
+pushed; the attractor runs ahead of the path that follows it, farthest where the pen is fast.
 """
 
+from functools import cache
+
+import _primitive as shared
 import numpy as np
 
-from tpsim import Motion, attractor_path, decay, fit_gmm, gmr, spring_damper
-from tpsim.examples import letters
-
-STIFFNESS, DAMPING, DT = 50.0, 10.0, 0.01
+from tpsim import fit_gmm, gmr, plot
+from tpsim.gallery import present, within
 
 
+@cache
 def retrieve():
     """Learn [s, attractor], then let a spring and a damper follow what GMR retrieves."""
-    demonstrations = letters("G", samples=201)
-    s = decay(201, DT)
-    attractors = [attractor_path(Motion.of(d.data, DT), STIFFNESS, DAMPING) for d in demonstrations]
-    gmm = fit_gmm([np.c_[s, attractor] for attractor in attractors], 8, start="time")
-    attractor = gmr(gmm, s)
-    start = np.r_[demonstrations[0].data[0], 0, 0]
-    path = spring_damper(attractor.mean, STIFFNESS, DAMPING, DT, start).states[:, :2]
-    return demonstrations, attractor, path
+    gmm = fit_gmm([np.c_[shared.S, path] for path in shared.attractors()], 8, start="time")
+    attractor = gmr(gmm, shared.S)
+    return attractor, shared.follow(attractor.mean)
 
 
-def main() -> dict:
-    demonstrations, attractor, path = retrieve()
-    mean = np.mean([d.data for d in demonstrations], axis=0)
+def ahead():
+    attractor, path = retrieve()
+    return np.linalg.norm(attractor.mean - path, axis=1)
+
+
+def main():
+    _, path = retrieve()
+    speed = np.linalg.norm(np.gradient(shared.MEAN, shared.DT, axis=0), axis=1).max()
+    lag = speed * shared.DAMPING / shared.STIFFNESS
     return {
-        "rms_distance_from_the_mean": float(np.sqrt(((path - mean) ** 2).sum(1).mean())),
-        "farthest_the_attractor_runs_ahead": float(
-            np.linalg.norm(attractor.mean - path, axis=1).max()
+        "rms_from_the_mean_letter_m": shared.rms_from_mean(
+            path, 0.1, "the spread of the letters themselves is 0.05"
+        ),
+        "farthest_ahead_m": within(
+            ahead().max(), 0.5 * lag, 1.5 * lag, "about speed times damping over stiffness"
         ),
     }
 
 
-def draw() -> None:
-    import matplotlib.pyplot as plt
-
-    from tpsim.experiment.plane import draw_demonstrations, draw_path
-
-    demonstrations, attractor, path = retrieve()
-    axis = plt.figure().gca()
-    draw_demonstrations(axis, demonstrations)
-    draw_path(axis, attractor)
-    axis.plot(*path.T, "k", lw=2)
-    plt.show()
+def draw(figure):
+    attractor, path = retrieve()
+    plane, curve = plot.panels(figure, 1, 2, kind=["plane", "curve"])
+    shared.draw(plane, path, attractor, shared.MEAN[-1])
+    curve.plot(shared.DT * np.arange(len(path)), ahead(), color=plot.PALETTE[1])
+    curve.set(xlabel="time [s]", ylabel="lead of the attractor [m]")
+    plot.legend(figure)
 
 
 if __name__ == "__main__":
-    print(main())
-    draw()
+    present(__file__, main, draw)

@@ -3,53 +3,44 @@
 Look for: the goal is moved and the whole letter goes with it (Section 5.1, one frame).
 """
 
+from functools import cache
+
+import _primitive as shared
 import numpy as np
 
-import tpsim
-from tpsim import Demonstration, Frame, Motion
-from tpsim.examples import letters
-
-STIFFNESS, DAMPING, DT = 50.0, 10.0, 0.01
-SHIFT = np.array([0.0, 1.5])
+from tpsim import fit_tp_gmm, gmr, plot
+from tpsim.gallery import present, within
 
 
+@cache
 def retrieve():
     """Learn [s, attractor] as the goal sees it, then adapt to a goal that was moved."""
-    s, goals, encoded = tpsim.decay(201, DT), [], []
-    for d in letters("G", samples=201):
-        attractor = tpsim.attractor_path(Motion.of(d.data, DT), STIFFNESS, DAMPING)
-        goals.append(Frame(np.eye(2), d.data[-1]))
-        encoded.append(Demonstration(d.time, attractor, goals[-1:]).with_time(s))
-    model = tpsim.fit_tp_gmm(encoded, 8, start="time")
-    new = Frame(np.eye(2), goals[-1].b + SHIFT)
-    attractor = tpsim.gmr(model.adapt([new.with_input()]), s)
-    start = np.r_[encoded[0].data[0, 1:], 0, 0]
-    path = tpsim.spring_damper(attractor.mean, STIFFNESS, DAMPING, DT, start).states[:, :2]
-    return attractor, path, goals[-1].b, new.b
+    model = fit_tp_gmm(shared.seen_from_goal(), 8, start="time")
+    attractor = gmr(model.adapt([shared.NEW_GOAL.with_input()]), shared.S)
+    return attractor, shared.follow(attractor.mean)
 
 
-def main() -> dict:
-    _, path, taught, new = retrieve()
+def main():
+    _, path = retrieve()
+    moved = path - (shared.NEW_GOAL.b - shared.GOAL)
+    half = np.linalg.norm(moved - shared.MEAN, axis=1)[len(path) // 2 :].max()
     return {
-        "distance_to_the_new_goal": float(np.linalg.norm(path[-1] - new)),
-        "distance_to_the_taught_goal": float(np.linalg.norm(path[-1] - taught)),
+        "distance_to_the_new_goal_m": shared.miss(
+            path, shared.NEW_GOAL.b, 0.02, "every demonstration ends at its goal: no spread there"
+        ),
+        "second_half_from_moved_letter_m": within(
+            half, 0, 0.3, "the letter has moved with its goal; the start was left where it was"
+        ),
     }
 
 
-def draw() -> None:
-    import matplotlib.pyplot as plt
-
-    from tpsim.experiment.plane import draw_demonstrations, draw_path
-
-    attractor, path, taught, new = retrieve()
-    axis = plt.figure().gca()
-    draw_demonstrations(axis, letters("G"))
-    draw_path(axis, attractor)
-    axis.plot(*path.T, "k", lw=2)
-    axis.plot(*np.c_[taught, new], "o--")
-    plt.show()
+def draw(figure):
+    attractor, path = retrieve()
+    (axis,) = plot.panels(figure, size=(4.2, 4.4))
+    shared.draw(axis, path, attractor, shared.NEW_GOAL.b)
+    plot.points(axis, shared.GOAL, plot.PALETTE[2], marker="X", label="goal as taught")
+    plot.legend(figure, columns=3)
 
 
 if __name__ == "__main__":
-    print(main())
-    draw()
+    present(__file__, main, draw)

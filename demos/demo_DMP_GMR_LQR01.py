@@ -4,56 +4,56 @@ Look for: the attractor is retrieved by TP-GMR with its covariance, whose invers
 tracking; the arm is stiff where the demonstrations agree and soft where they differ.
 """
 
+from functools import cache
+
+import _primitive as shared
 import numpy as np
 
-import tpsim
-from tpsim import Demonstration, Frame, Motion, integrator, lqt
-from tpsim.examples import letters
+from tpsim import fit_tp_gmm, gmr, impedance_of, integrator, lqt, plot
+from tpsim.gallery import present, within
 
-STIFFNESS, DAMPING, DT, EFFORT = 50.0, 10.0, 0.01, 1e-3
-SHIFT = np.array([0.0, 1.5])
+EFFORT = 1e-3
 
 
+@cache
 def retrieve():
     """Learn [s, attractor] in the frame of the goal, move the goal, track the attractor."""
-    s, encoded = tpsim.decay(201, DT), []
-    for d in letters("G", samples=201):
-        attractor = tpsim.attractor_path(Motion.of(d.data, DT), STIFFNESS, DAMPING)
-        goal = Frame(np.eye(2), d.data[-1])
-        encoded.append(Demonstration(d.time, attractor, [goal]).with_time(s))
-    new = Frame(np.eye(2), goal.b + SHIFT)
-    attractor = tpsim.gmr(tpsim.fit_tp_gmm(encoded, 8, start="time").adapt([new.with_input()]), s)
-    means, precisions = np.zeros((len(s), 4)), np.zeros((len(s), 4, 4))
+    model = fit_tp_gmm(shared.seen_from_goal(), 8, start="time")
+    attractor = gmr(model.adapt([shared.NEW_GOAL.with_input()]), shared.S)
+    means, precisions = np.zeros((len(shared.S), 4)), np.zeros((len(shared.S), 4, 4))
     means[:, :2], precisions[:, :2, :2] = attractor.mean, attractor.precision
-    feedback = lqt(means, precisions, integrator(2, DT), EFFORT)
-    start = np.r_[encoded[0].data[0, 1:], 0.0, 0.0]
-    return attractor, feedback, feedback.rollout(start).states, new.b
+    feedback = lqt(means, precisions, integrator(2, shared.DT), EFFORT)
+    stiffness = np.linalg.det(impedance_of(feedback)[0]) ** 0.5
+    start = np.r_[shared.attractors()[0][0], 0.0, 0.0]
+    return attractor, stiffness, feedback.rollout(start).states[:, :2]
 
 
-def main() -> dict:
-    _, feedback, states, goal = retrieve()
-    stiffness = np.linalg.det(tpsim.impedance_of(feedback)[0][:-20]) ** 0.5
+def main():
+    attractor, stiffness, path = retrieve()
+    spread = np.linalg.det(attractor.covariance) ** 0.25
+    # The horizon ends: what follows is not worth any effort, so the last gains are zero.
+    agree = np.corrcoef(np.log(stiffness[:-20]), np.log(spread[:-20]))[0, 1]
     return {
-        "distance_to_the_new_goal": float(np.linalg.norm(states[-1, :2] - goal)),
-        "least_stiffness": float(stiffness.min()),
-        "greatest_stiffness": float(stiffness.max()),
+        "distance_to_the_new_goal_m": shared.miss(
+            path, shared.NEW_GOAL.b, 0.05, "the demonstrations agree about the goal"
+        ),
+        "stiffest_over_softest": within(
+            np.ptp(np.log10(stiffness[:-20])), 0.3, 3, "powers of ten: it varies with the spread"
+        ),
+        "correlation_of_stiffness_and_spread": within(
+            agree, -1, -0.7, "stiff where the spread is small: precision is its inverse"
+        ),
     }
 
 
-def draw() -> None:
-    import matplotlib.pyplot as plt
-
-    from tpsim.experiment.plane import draw_path
-
-    attractor, feedback, states, goal = retrieve()
-    _, (left, right) = plt.subplots(1, 2)
-    draw_path(left, attractor)
-    left.plot(*states[:, :2].T, "k", *goal, "o")
-    right.plot(np.linalg.det(tpsim.impedance_of(feedback)[0]) ** 0.5)
-    right.set_title("stiffness over time")
-    plt.show()
+def draw(figure):
+    attractor, stiffness, path = retrieve()
+    plane, curve = plot.panels(figure, 1, 2, size=(3.5, 3.4), kind=["plane", "curve"])
+    shared.draw(plane, path, attractor, shared.NEW_GOAL.b)
+    curve.plot(shared.DT * np.arange(len(stiffness))[:-20], stiffness[:-20], color=plot.PALETTE[0])
+    curve.set(xlabel="time [s]", ylabel="stiffness [1/s²]")
+    plot.legend(figure)
 
 
 if __name__ == "__main__":
-    print(main())
-    draw()
+    present(__file__, main, draw)

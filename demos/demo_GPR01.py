@@ -1,49 +1,43 @@
 """demo_GPR01: Gaussian processes from task parameters to trajectories and mixtures (Section 8.1).
 
 Look for: both follow the frames near the demonstrations; far away they collapse to an average
-movement, because nothing in them knows what a frame is.
+movement, because nothing in them knows what a frame is (Figs 1 and 14). The spread of the process
+grows with the distance; a mixture that was regressed does not know that it is far.
 """
 
-from tpsim.examples import u_demonstrations
-from tpsim.experiment.compare import measure, situations
-from tpsim.experiment.methods import gpr, gpr_gmm
+from functools import cache
+
+import _situations as shared
+
+from tpsim.gallery import present, within
 
 
+@cache
 def retrieve():
     """Learn both from the same demonstrations; situations go from near to far."""
-    demonstrations, tasks = u_demonstrations(5), situations()
-    paths = {
-        name: [learned(task) for task in tasks]
-        for name, learned in (("raw", gpr(demonstrations)), ("mixture", gpr_gmm(demonstrations)))
-    }
-    return demonstrations, tasks, paths
+    return {name: shared.adapt(shared.learn(name)) for name in ("GPR", "GPR-GMM")}
 
 
-def main() -> dict:
-    _, tasks, paths = retrieve()
-    return {
-        f"{name}_end_error_{where}": measure(paths[name][n], tasks[n])["end_error"]
-        for name in paths
-        for where, n in (("near", 0), ("far", -1))
-    }
+def main():
+    figures = {}
+    for name, paths in retrieve().items():
+        near, *_, far = shared.errors(paths, "end_error")
+        figures[f"{name}_end_error_near_m"] = within(
+            near, 0, 0.5 * shared.WIDTH, "the end is inside the second object"
+        )
+        figures[f"{name}_end_error_far_m"] = within(
+            far, 0.5 * shared.WIDTH, 2.0, "outside the object: a GP returns to its mean"
+        )
+    spread = [path.covariance[0, 0, 0] ** 0.5 for path in retrieve()["GPR"]]
+    figures["GPR_spread_far_over_near"] = within(
+        spread[-1] / spread[0], 2, 100, "the variance grows with the distance to the data, Eq. 47"
+    )
+    return figures
 
 
-def draw() -> None:
-    import matplotlib.pyplot as plt
-
-    from tpsim.experiment.plane import draw_demonstrations, draw_frames, draw_path
-
-    demonstrations, tasks, paths = retrieve()
-    grid = plt.figure(figsize=(12, 6)).subplots(len(paths), len(tasks), sharex=True, sharey=True)
-    for axes, name in zip(grid, paths, strict=True):
-        axes[0].set_ylabel(name)
-        for axis, path, frames in zip(axes, paths[name], tasks, strict=True):
-            draw_demonstrations(axis, demonstrations)
-            draw_path(axis, path)
-            draw_frames(axis, frames)
-    plt.show()
+def draw(figure):
+    shared.draw(figure, *retrieve().values(), names=list(retrieve()))
 
 
 if __name__ == "__main__":
-    print(main())
-    draw()
+    present(__file__, main, draw)

@@ -1,60 +1,69 @@
 """demo_IK_pointing_TPGMM01: point at two objects, then return to a posture (Eqs 40-42, Fig. 10).
 
-Look for: the product of four frames knows when which of them counts, for moving objects too.
+Look for: the product of four frames knows when which of them counts, for moving objects too. The
+thick posture points at the object of its panel; the last one is back where it began.
 """
 
+from functools import cache
+
+import _pointing as shared
 import numpy as np
 
-from tpsim import PlanarChain, Regression, fit_tp_gmm, projection
-from tpsim.control.projection import nullspace, pseudoinverse
+from tpsim import Regression, fit_tp_gmm, plot
+from tpsim.gallery import present, within
 
-ARM, START, T, DT = PlanarChain((0.2, 0.2, 0.2)), np.array([0.0, np.pi / 2, 0.0]), 150, 0.02
-J, TIME = ARM.orientation_jacobian(START), DT * np.arange(T)[:, None]
-
-
-def angles(q, objects):  # at which the hand sees them, within half a turn of its own
-    own, (x, y) = ARM.orientation(q), (objects - ARM.position(q)).T
-    return own + np.mod(np.arctan2(y, x) - own + np.pi, 2 * np.pi) - np.pi
+MOMENTS = {"at the first": 45, "at the second": 95, "back": 149}
+SPEEDS = {"resting": 0.0, "moving": 0.1}
 
 
-def teach(t, q, objects):
-    goal = [*angles(q, objects), START.sum()][3 * t // T]
-    return q + 0.15 * (nullspace(J) @ (START - q) + pseudoinverse(J) @ [goal - q.sum()])
-
-
-def reproduce(model, t, q, objects):
-    to = [projection.relative(J, q, [q.sum()], np.eye(1), [a]) for a in angles(q, objects)]
-    frames = [projection.nullspace_joint(J, q), *to, projection.absolute(J, q, [q.sum()])]
-    return Regression.of(model.adapt([f.with_input() for f in frames])).at(TIME[t]).mean
-
-
-def move(act, rng, speed=0.0):
-    objects = np.array([[0.9, 0.4], [-0.7, 0.6]]) + rng.uniform(-0.1, 0.1, (2, 2))
-    path, errors = [START], []
-    for t in range(T):
-        objects[1, 1] += speed * DT
-        errors.append(path[-1].sum() - angles(path[-1], objects))
-        path.append(act(t, path[-1], objects))
-    return np.array(path[:-1]), np.array(errors)
-
-
-def main(plot=lambda *line, **style: None) -> dict:
-    rng, views, figures = np.random.default_rng(0), [], {}
-    for q, errors in (move(teach, rng) for _ in range(6)):
-        seen = q @ nullspace(J), errors[:, :1], errors[:, 1:], ARM.orientation(q)
-        views.append([np.hstack([TIME, view]) for view in seen])
+@cache
+def reproduce():
+    """Learn from six demonstrations; objects, postures and errors in two new situations."""
+    rng, found = np.random.default_rng(0), {}
+    draws = [shared.OBJECTS + rng.uniform(-0.1, 0.1, (2, 2)) for _ in range(8)]
+    views = [shared.seen(*shared.move(shared.teach, objects)) for objects in draws[:6]]
     model = fit_tp_gmm([np.vstack(view) for view in zip(*views, strict=True)], 6, start="time")
-    for name, speed in (("resting", 0.0), ("moving", 0.1)):
-        q, errors = move(lambda *now: reproduce(model, *now), rng, speed)
-        figures[f"first_deg_{name}"] = float(np.rad2deg(np.abs(errors[35:50, 0]).mean()))
-        figures[f"second_deg_{name}"] = float(np.rad2deg(np.abs(errors[85:100, 1]).mean()))
-        figures[f"posture_rad_{name}"] = float(np.abs(q[-1] - START).max())
-        plot(*ARM.points(q[::10]).transpose(2, 1, 0), color="0.6")
+
+    def act(t, q, objects):
+        frames = [frame.with_input() for frame in shared.frames_at(q, objects)]
+        return Regression.of(model.adapt(frames)).at(shared.TIME[t]).mean
+
+    for (name, speed), objects in zip(SPEEDS.items(), draws[6:], strict=True):
+        found[name] = objects, *shared.move(act, objects, speed)
+    return found
+
+
+def main():
+    figures, good = {}, "the width of an object seen from 1 m: a degree or two"
+    for name, (_, q, errors) in reproduce().items():
+        first, second = np.rad2deg(np.abs([errors[35:50, 0], errors[85:100, 1]]).mean(1))
+        figures[f"first_{name}_deg"] = within(first, 0, 1, good)
+        figures[f"second_{name}_deg"] = within(second, 0, 1, good)
+        back = np.abs(q[-1] - shared.START).max()
+        figures[f"posture_{name}_rad"] = within(
+            back, 0, 0.02, "a degree: every demonstration ends in this posture"
+        )
     return figures
 
 
-if __name__ == "__main__":
-    import matplotlib.pyplot as plt
+def draw(figure):
+    axes = plot.panels(figure, 2, 3, size=(3.0, 1.9))
+    for i, (name, (start, q, _)) in enumerate(reproduce().items()):
+        for axis, (moment, t) in zip(axes[3 * i :], MOMENTS.items(), strict=False):
+            objects = start + np.outer([0, t * shared.DT], [0, SPEEDS[name]])
+            plot.arm(axis, shared.ARM, q[max(t - 44, 0) : t + 1 : 11], label="arm, light to dark")
+            ray = np.outer([0, 0.9], [np.cos(q[t].sum()), np.sin(q[t].sum())])
+            axis.plot(*(shared.ARM.position(q[t]) + ray).T, ":", color=plot.INK, label="direction")
+            for place, colour, label in zip(
+                objects, plot.PALETTE, ("first", "second"), strict=False
+            ):
+                plot.points(axis, place, colour, label=f"{label} object")
+            axis.set_xlabel("x [m]" if i == 1 else "")
+            plot.title(axis, moment if i == 0 else "")
+        axes[3 * i].set_ylabel(f"second {name}\ny [m]")
+    plot.same_view(axes)
+    plot.legend(figure)
 
-    print(main(plt.plot))
-    plt.show()
+
+if __name__ == "__main__":
+    present(__file__, main, draw)

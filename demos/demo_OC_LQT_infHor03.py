@@ -4,50 +4,56 @@ Look for: every state of the mixture has its own regulator, stiff where the Gaus
 narrow. The path follows the states with a lag, since no plan looks ahead.
 """
 
+from functools import cache
+
 import numpy as np
+from _tracking import Reference
 
-from tpsim import fit_gmm, impedance_of, integrator, lqr
-from tpsim.examples import letters
+from tpsim import Gaussian, impedance_of, integrator, lqr, plot
+from tpsim.gallery import present, within
 
-COMPONENTS, EFFORT = 6, 0.03
+EFFORT = 0.03
+REFERENCE = Reference("G", 6, ridge=1e-3)
 
 
+@cache
 def solve():
-    """Demonstrations, regulators (K, 2, 4) and the path (T, 4)."""
-    taught = [demonstration.with_derivatives(1) for demonstration in letters("G")]
-    gmm = fit_gmm([d.data for d in taught], COMPONENTS, start="time", ridge=1e-3)
-    states = gmm.responsibilities(taught[0].data).argmax(axis=1)
-    regulators = lqr(integrator(2), gmm.gaussians.precision, EFFORT, discrete=False)
-    dt, path = taught[0].time[1], [taught[0].data[0]]
-    for k in states[1:]:
-        control = regulators.gain[k] @ (gmm.gaussians.mean[k] - path[-1])
+    """Regulators (K, 2, 4) and the path (T, 4)."""
+    mean, precision = REFERENCE.gmm.gaussians.mean, REFERENCE.gmm.gaussians.precision
+    regulators = lqr(integrator(2), precision, EFFORT, discrete=False)
+    dt, path = REFERENCE.taught[0].time[1], [REFERENCE.taught[0].data[0]]
+    for k in REFERENCE.states[1:]:
+        control = regulators.gain[k] @ (mean[k] - path[-1])
         velocity = path[-1][2:] + dt * control
         path.append(np.r_[path[-1][:2] + dt * velocity, velocity])
-    return taught, regulators, np.array(path)
+    return regulators, np.array(path)
 
 
-def main() -> dict:
-    taught, regulators, path = solve()
+def main():
+    regulators, path = solve()
     stiffness, _ = impedance_of(regulators)
-    values = np.linalg.svd(stiffness, compute_uv=False)
-    gap = np.linalg.norm(path[:, :2] - taught[0].data[:, :2], axis=1)
+    greatest = np.linalg.eigvalsh(0.5 * (stiffness + stiffness.mT))[:, -1]
+    covariance = REFERENCE.gmm.gaussians.marginal([0, 1]).covariance
+    narrow = np.linalg.eigh(covariance)[1][:, :, 0]
+    across = np.einsum("ki,kij,kj->k", narrow, stiffness, narrow)
     return {
-        "rms_to_demonstration": float(np.sqrt(np.mean(gap**2))),
-        "largest_stiffness_ratio": float((values[:, 0] / values[:, 1]).max()),
+        "rms_to_demonstration_m": REFERENCE.rms(path, 0.35, "no foresight: it lags and cuts"),
+        "stiffness_across_over_greatest": within(
+            (across / greatest).mean(), 0.7, 1.01, "1 where the narrow direction is the stiff one"
+        ),
     }
 
 
-def draw() -> None:
-    import matplotlib.pyplot as plt
-
-    from tpsim.experiment.plane import draw_demonstrations
-
-    taught, _, path = solve()
-    draw_demonstrations(plt.gca(), taught)
-    plt.plot(*path[:, :2].T, "r")
-    plt.show()
+def draw(figure):
+    regulators, path = solve()
+    (axis,) = plot.panels(figure, size=(4.2, 4.4))
+    REFERENCE.draw(axis, {"path": path})
+    stiffness = impedance_of(regulators)[0]
+    means = REFERENCE.gmm.gaussians.mean[:, :2]
+    springs = Gaussian(means, 2e-4 * (stiffness + stiffness.mT))
+    plot.ellipses(axis, springs, plot.PALETTE[1], fill=0, label="root of the stiffness")
+    plot.legend(figure, columns=2)
 
 
 if __name__ == "__main__":
-    print(main())
-    draw()
+    present(__file__, main, draw)

@@ -5,53 +5,53 @@ at this time step; the discrete ones are softer and are not. The finite horizon,
 next states come, stays closer to the demonstration.
 """
 
+from functools import cache
+
 import numpy as np
+from _tracking import Reference
 
-from tpsim import fit_gmm, integrator, lqr, lqt
-from tpsim.examples import letters
+from tpsim import integrator, lqr, lqt, plot
+from tpsim.gallery import present, within
 
-COMPONENTS, EFFORT = 6, 1e-3
+EFFORT = 1e-3
+REFERENCE = Reference("G", 6, ridge=1e-3)
 
 
+@cache
 def solve():
-    """Demonstrations, path without and with foresight (T, 4), and the gap of the gains."""
-    taught = [demonstration.with_derivatives(1) for demonstration in letters("G")]
-    gmm = fit_gmm([d.data for d in taught], COMPONENTS, start="time", ridge=1e-3)
-    states = gmm.responsibilities(taught[0].data).argmax(axis=1)
-    system = integrator(2, taught[0].time[1])
-    mean, precision = gmm.gaussians.mean, gmm.gaussians.precision
-    regulators = lqr(system, precision, EFFORT)
-    path = [taught[0].data[0]]
-    for k in states[:-1]:
-        path.append(system.step(path[-1], regulators.gain[k] @ (mean[k] - path[-1])))
-    ahead = lqt(mean[states], precision[states], system, EFFORT).rollout(path[0])
+    """Path without and with foresight (T, 4), and the closed loops with both kinds of gains."""
+    system, states, gaussians = REFERENCE.system, REFERENCE.states, REFERENCE.gmm.gaussians
+    mean, precision = gaussians.mean, gaussians.precision
+    discrete = lqr(system, precision, EFFORT)
     continuous = lqr(integrator(2), precision, EFFORT, discrete=False)
-    gap = np.abs(regulators.gain - continuous.gain).max() / np.abs(continuous.gain).max()
-    return taught, np.array(path), ahead.states, gap
+    path = [REFERENCE.taught[0].data[0]]
+    for k in states[:-1]:
+        path.append(system.step(path[-1], discrete.gain[k] @ (mean[k] - path[-1])))
+    ahead = lqt(mean[states], precision[states], system, EFFORT).rollout(path[0])
+    loops = [system.A - system.B @ regulators.gain for regulators in (discrete, continuous)]
+    return np.array(path), ahead.states, [np.abs(np.linalg.eigvals(A)).max() for A in loops]
 
 
-def main() -> dict:
-    taught, path, ahead, gap = solve()
-    figures = {"gain_gap_to_continuous": float(gap)}
-    for name, states in (("infinite", path), ("finite", ahead)):
-        error = np.linalg.norm(states[:, :2] - taught[0].data[:, :2], axis=1)
-        figures[f"rms_{name}_horizon"] = float(np.sqrt(np.mean(error**2)))
-    return figures
+def main():
+    path, ahead, (discrete, continuous) = solve()
+    return {
+        "rms_infinite_horizon_m": REFERENCE.rms(path, 0.3, "no foresight: it lags and cuts"),
+        "rms_finite_horizon_m": REFERENCE.rms(ahead, 0.1, "it leaves before the state changes"),
+        "radius_with_discrete_gains": within(
+            discrete, 0, 1 - 1e-6, "stable: inside the unit circle"
+        ),
+        "radius_with_continuous_gains": within(
+            continuous, 1.0, 10, "gains that ask for more than a step of 0.01 s can give"
+        ),
+    }
 
 
-def draw() -> None:
-    import matplotlib.pyplot as plt
-
-    from tpsim.experiment.plane import draw_demonstrations
-
-    taught, path, ahead, _ = solve()
-    draw_demonstrations(plt.gca(), taught)
-    plt.plot(*path[:, :2].T, "r", label="infinite horizon")
-    plt.plot(*ahead[:, :2].T, "b", label="finite horizon")
-    plt.legend()
-    plt.show()
+def draw(figure):
+    path, ahead, _ = solve()
+    (axis,) = plot.panels(figure, size=(4.2, 4.4))
+    REFERENCE.draw(axis, {"infinite horizon": path, "finite horizon": ahead})
+    plot.legend(figure, columns=2)
 
 
 if __name__ == "__main__":
-    print(main())
-    draw()
+    present(__file__, main, draw)

@@ -4,48 +4,52 @@ Look for: dynamic programming and one banded least squares problem give the same
 rounding; the recursion also answers from any other start.
 """
 
-import numpy as np
+from functools import cache
 
-from tpsim import fit_gmm, integrator, lqt, lqt_batch
-from tpsim.examples import letters
+import numpy as np
+from _tracking import Reference
+
+from tpsim import lqt, lqt_batch, plot
+from tpsim.gallery import present, within
 
 EFFORT = 1e-5
+REFERENCE = Reference("S", 5)
 
 
+@cache
 def solve():
-    """Demonstrations, batch plan, and roll-outs of the feedback from three starts."""
-    taught = [demonstration.with_derivatives(1) for demonstration in letters("S", count=3)]
-    gmm = fit_gmm([d.data for d in taught], 5, start="time")
-    states = gmm.responsibilities(taught[0].data).argmax(axis=1)
-    reference = gmm.gaussians[states]
-    system, start = integrator(2, taught[0].time[1]), taught[0].data[0]
-    feedback = lqt(reference.mean, reference.precision, system, EFFORT)
-    batch = lqt_batch(reference.mean, reference.precision, system, EFFORT, start)
-    aside = [np.zeros(4), np.array([0.3, 0.0, 0.0, 0.0]), np.array([0.0, -0.3, 0.0, 0.0])]
-    return taught, batch, [feedback.rollout(start + offset) for offset in aside]
+    """Batch plan, and roll-outs of the feedback from three starts."""
+    steps, system, start = REFERENCE.steps, REFERENCE.system, REFERENCE.taught[0].data[0]
+    feedback = lqt(steps.mean, steps.precision, system, EFFORT)
+    batch = lqt_batch(steps.mean, steps.precision, system, EFFORT, start)
+    aside = np.zeros((3, 4))
+    aside[1:, :2] = [0.3, 0.0], [0.0, -0.3]
+    return batch.states, [feedback.rollout(start + offset).states for offset in aside]
 
 
-def main() -> dict:
-    _, batch, rollouts = solve()
+def main():
+    batch, rollouts = solve()
     return {
-        "batch_minus_recursive": float(np.abs(batch.states - rollouts[0].states).max()),
-        "ends_apart": float(np.ptp([plan.states[-1, :2] for plan in rollouts], axis=0).max()),
+        "batch_minus_recursive_m": within(
+            np.abs(batch - rollouts[0]).max(), 0, 1e-9, "one optimum, found in two ways"
+        ),
+        "ends_apart_m": within(
+            np.ptp([path[-1, :2] for path in rollouts], axis=0).max(),
+            0,
+            0.01,
+            "the feedback leads every start to the same end",
+        ),
     }
 
 
-def draw() -> None:
-    import matplotlib.pyplot as plt
-
-    from tpsim.experiment.plane import draw_demonstrations
-
-    taught, batch, rollouts = solve()
-    draw_demonstrations(plt.gca(), taught)
-    for plan in rollouts:
-        plt.plot(*plan.states[:, :2].T, "r")
-    plt.plot(*batch.states[:, :2].T, "k--")
-    plt.show()
+def draw(figure):
+    batch, rollouts = solve()
+    (axis,) = plot.panels(figure, size=(4.2, 4.2))
+    names = ("recursive", "another start", "a third start")
+    REFERENCE.draw(axis, dict(zip(names, rollouts, strict=True)))
+    axis.plot(*batch[:, :2].T, ":", color=plot.INK, lw=2.4, label="batch", zorder=4)
+    plot.legend(figure, columns=3)
 
 
 if __name__ == "__main__":
-    print(main())
-    draw()
+    present(__file__, main, draw)

@@ -4,50 +4,43 @@ Look for: velocities have no precision (the weights are singular), so the contro
 them; the path is smooth although the reference steps from mean to mean.
 """
 
-import numpy as np
+from functools import cache
 
-from tpsim import fit_gmm, integrator, lqt
-from tpsim.examples import letters
+import numpy as np
+from _tracking import Reference
+
+from tpsim import lqt, plot
+from tpsim.gallery import present, within
 
 EFFORT = 1e-3
+REFERENCE = Reference("C", 8, derivatives=0)
 
 
+@cache
 def solve():
-    """Demonstrations, stepwise reference (T, 2) and plan."""
-    taught = letters("C", samples=100)
-    gmm = fit_gmm([d.data for d in taught], 8, start="time")
-    states = gmm.responsibilities(taught[0].data).argmax(axis=1)
-    reference, T = gmm.gaussians[states], len(states)
+    """Plan (T, 4) for the stepwise reference."""
+    steps, T = REFERENCE.steps, len(REFERENCE.states)
     means, precisions = np.zeros((T, 4)), np.zeros((T, 4, 4))
-    means[:, :2], precisions[:, :2, :2] = reference.mean, reference.precision
-    feedback = lqt(means, precisions, integrator(2, taught[0].time[1]), EFFORT)
-    start = np.r_[taught[0].data[0], 0.0, 0.0]
-    return taught, reference.mean, feedback.rollout(start)
+    means[:, :2], precisions[:, :2, :2] = steps.mean, steps.precision
+    return lqt(means, precisions, REFERENCE.system, EFFORT).rollout(REFERENCE.start).states
 
 
-def main() -> dict:
-    taught, reference, plan = solve()
-    path = plan.states[:, :2]
-    gap = np.linalg.norm(path - taught[0].data, axis=1)
+def main():
+    jump, step = (
+        np.linalg.norm(np.diff(path[:, :2], axis=0), axis=1).max()
+        for path in (REFERENCE.steps.mean, solve())
+    )
     return {
-        "rms_to_demonstration": float(np.sqrt(np.mean(gap**2))),
-        "largest_step_of_reference": float(np.abs(np.diff(reference, axis=0)).max()),
-        "largest_step_of_path": float(np.abs(np.diff(path, axis=0)).max()),
+        "rms_to_demonstration_m": REFERENCE.rms(solve(), 0.12, "the means are 0.3 apart"),
+        "largest_step_over_jump": within(step / jump, 0, 0.2, "smooth, where the reference jumps"),
     }
 
 
-def draw() -> None:
-    import matplotlib.pyplot as plt
-
-    from tpsim.experiment.plane import draw_demonstrations
-
-    taught, reference, plan = solve()
-    draw_demonstrations(plt.gca(), taught)
-    plt.plot(*reference.T, "k+")
-    plt.plot(*plan.states[:, :2].T, "r")
-    plt.show()
+def draw(figure):
+    (axis,) = plot.panels(figure, size=(3.8, 4.4))
+    REFERENCE.draw(axis, {"path": solve()})
+    plot.legend(figure)
 
 
 if __name__ == "__main__":
-    print(main())
-    draw()
+    present(__file__, main, draw)

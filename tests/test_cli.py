@@ -12,7 +12,6 @@ import tpsim.bench
 from tpsim import paths
 from tpsim.cli import main as cli
 from tpsim.errors import ArgumentError, RecordingError, SimulationError
-from tpsim.experiment import gallery
 from tpsim.study import campaign, teaching, trying
 from tpsim.study.study import Plan
 
@@ -245,11 +244,26 @@ def test_benchmarks_are_run_by_area(run, monkeypatch):
 
 def test_demos_are_listed_and_run_by_name(run, monkeypatch, tmp_path):
     monkeypatch.setattr(paths, "DEMOS", tmp_path)
-    (tmp_path / "tp_gmm.py").write_text('"""TP-GMM."""\ndef main():\n    return {"x": 1}\n')
-    assert json.loads(run("demo --json")[1]) == {"demos": ["TP-GMM."]}
-    assert json.loads(run("demo tp_gmm --json")[1])["figures"] == {"x": 1}
-    assert "did you mean 'tp_gmm'" in run("demo tp_gm")[2]
-    assert gallery.titles() == {"tp_gmm": "TP-GMM."}
+    (tmp_path / "demo_one.py").write_text(
+        '"""demo_one: the first.\n\nLook for: a line.\n"""\n'
+        "from tpsim.gallery import within\n"
+        "def main():\n    return {'x': within(1, 0, 2, 'it is one')}\n"
+        "def draw(figure):\n    figure.add_subplot().plot([0, 1])\n"
+    )
+    assert json.loads(run("demo --json")[1]) == {"demos": ["demo_one: the first"]}
+    folder = tmp_path / "pictures"
+    result = json.loads(run(f"demo demo_one --json --folder {folder}")[1])
+    assert (result["row"], result["look_for"]) == ("the first", "a line.")
+    assert [(f["figure"], f["value"], f["holds"]) for f in result["figures"]] == [("x", 1, True)]
+    assert result["picture"] == str(folder / "demo_one.png")
+    code, out, _ = run(f"demo --all --json --folder {folder}")
+    rows = json.loads(out)["rows"]
+    assert code == 0 and [row["name"] for row in rows] == ["demo_one"]
+    assert str(folder / "demo_one.png") in run(f"demo --all --folder {folder}")[1]
+    assert "did you mean 'demo_one'" in run("demo one")[2]
+    for slip in ("demo nothing", "demo demo_one --all", "demo --show"):
+        code, out, err = run(slip)
+        assert (code, out, err.count("\n")) == (2, "", 1)
 
 
 def test_help_names_every_command_and_imports_nothing_heavy():

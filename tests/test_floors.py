@@ -14,6 +14,7 @@ FLOORS = (
     "root",
     "learning",
     ("retrieval", "control"),
+    "plot",
     "robot",
     "world",
     "controllers",
@@ -21,7 +22,7 @@ FLOORS = (
     "task",
     "study",
     "tasks",
-    ("lab", "section8", "data", "bench", "plot", "play", "gallery"),
+    ("lab", "section8", "data", "bench", "play", "gallery"),
     "cli",
 )
 SIMULATION = {"mujoco", "pinocchio", "mink", "dm_control", "dm_env", "gymnasium"}
@@ -61,7 +62,7 @@ def offences(source, module):
             other = room_of(target)
             allowed = other == room or height(other) < height(room)
             # tpsim/mathematics.py shows the mathematics flat.
-            allowed |= module == "tpsim.mathematics" and height(other) < height("robot")
+            allowed |= module == "tpsim.mathematics" and height(other) < height("plot")
         else:
             allowed = package not in SIMULATION or height(room) >= height("robot")
         if not allowed:

@@ -1,7 +1,6 @@
 import numpy
 
 from tpsim.cli import doctor
-from tpsim.experiment import gallery
 
 
 def test_what_is_here_is_listed(monkeypatch):
@@ -23,17 +22,3 @@ def test_what_is_missing_has_a_command_that_mends_it(monkeypatch, tmp_path):
     assert missing["offscreen rendering, for films"].startswith("apt-get install")
     assert "pip install 'imageio[ffmpeg]'" in missing["FFmpeg, for films"]
     assert f"the files of {tmp_path}" in missing
-
-
-def test_demos_are_listed_and_run(monkeypatch, tmp_path):
-    monkeypatch.setattr(gallery.paths, "DEMOS", tmp_path)
-    (tmp_path / "demo_one.py").write_text(
-        '"""Title: one.\n\nMore."""\ndef main():\n return {"x": 1}'
-    )
-    (tmp_path / "_shared.py").write_text("")
-    assert gallery.titles() == {"demo_one": "Title: one."}
-    assert gallery.run("demo_one") == {
-        "demo": "demo_one",
-        "title": "Title: one.",
-        "figures": {"x": 1},
-    }

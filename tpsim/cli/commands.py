@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from tyro.conf import Positional, arg
+from tyro.conf import FlagCreatePairsOff, Positional, arg
 
 from tpsim.cli.options import (
     Answer,
@@ -241,19 +241,34 @@ class Bench(Command):
 
 @dataclass(frozen=True, kw_only=True)
 class Demo(Command):
-    """Run a demonstration of the tutorial's Table 2, or list them all."""
+    """Run a row of the tutorial's Table 2, as numbers and a picture, or list them all."""
 
     name: Annotated[Positional[str | None], arg(metavar="[NAME]")] = None
-    """Name of the demonstration; none lists them."""
+    """Name of the row; none lists them."""
+    all: FlagCreatePairsOff[bool] = False
+    """Run all rows."""
+    show: FlagCreatePairsOff[bool] = False
+    """Open a window with the picture."""
+    folder: Path | None = None
+    """Folder for the pictures (default: recordings/runs/gallery)."""
+
+    def check(self) -> None:
+        """Check that one row, or all, or none is asked for."""
+        if self.all and (self.name or self.show):
+            raise ArgumentError("--all runs every row and opens no window; give it alone")
+        if self.show and self.name is None:
+            raise ArgumentError("--show needs the name of a row; tpsim demo lists them")
 
     def execute(self) -> Answer:
-        """Run one or list all."""
-        from tpsim.experiment import gallery
+        """Run one, run all, or list all."""
+        from tpsim import gallery
 
+        if self.all:
+            results = gallery.run_all(self.folder, progress=_say)
+            return {"rows": results if self.json else [gallery.brief(each) for each in results]}
         if self.name is None:
-            return {"demos": list(gallery.titles().values())}
-        known("demo", self.name, gallery.titles())
-        return gallery.run(self.name)
+            return {"demos": [f"{name}: {title}" for name, title in gallery.titles().items()]}
+        return dict(gallery.run(self.name, self.folder, show=self.show))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -265,6 +280,11 @@ class Doctor(Command):
         from tpsim.cli import doctor
 
         return doctor.examine()
+
+
+def _say(name: str) -> None:
+    if sys.stderr.isatty():
+        print(name, file=sys.stderr)
 
 
 COMMANDS: Mapping[str, type[Command | StudyCommand]] = {

@@ -6,12 +6,12 @@ from time import perf_counter
 import numpy as np
 from matplotlib.figure import Figure
 
+from tpsim import plot
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.examples import u_demonstration, u_demonstrations, u_frames
 from tpsim.study.canvas import INK
 from tpsim.experiment.methods import METHODS, Frames
-from tpsim.experiment.plane import draw_demonstrations, draw_frames, draw_path
 from tpsim.gaussian import Gaussian
 
 SPREADS = (0.5, 1.0, 2.0, 3.0)
@@ -139,8 +139,9 @@ def figure(
     for axes, (name, result) in zip(grid, results.items(), strict=True):
         axes[0].set_ylabel(name, color=INK)
         for axis, path, frames in zip(axes, result["paths"], tasks, strict=True):
-            draw_demonstrations(axis, demonstrations)
-            draw_path(axis, path)
-            draw_frames(axis, frames)
+            plot.demonstrations(axis, demonstrations)
+            plot.tube(axis, path)
+            plot.frames(axis, frames)
+            axis.set_aspect("equal")
             axis.set_axis_off() if axis is not axes[0] else axis.set(xticks=[], yticks=[])
     return drawing

@@ -13,11 +13,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-PALETTE = ("#2f7fc1", "#e07b39", "#2a9d76", "#a765c2", "#c9506a", "#8a8f3c")
-"""Colours that hold on light and dark paper, told apart by colour-blind readers."""
-
-INK = "#1c1e21"
-"""Colour of text and axes; a report replaces it by the colour of its own text."""
+from tpsim.plot import INK as INK
+from tpsim.plot import PALETTE as PALETTE
 
 PUSH = "#d9a441"
 """Colour of the time of a push."""

@@ -5,9 +5,9 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from tpsim.experiment.plane import draw_frames
 from tpsim.film.clip import Clip, Ellipsoid
 from tpsim.frame import Frame
+from tpsim.plot import frames as draw_frames
 from tpsim.study import plot
 from tpsim.study.canvas import INK, PALETTE, new_figure
 from tpsim.study.record import Record, Records
@@ -83,7 +83,8 @@ def _paths(records: Records, groups: Mapping[str, Sequence[Record]]) -> Figure:
             axis.plot(*trial["left_hand_position"][:, :2].T, color=INK, lw=3, alpha=0.25)
         for trial in trials[:SITUATIONS]:
             axis.plot(*trial["left_hand_position"][:, :2].T, color=PALETTE[0], lw=1.4)
-            draw_frames(axis, [_from_above(trial, name) for name in docks.NAMES])
+            draw_frames(axis, [_from_above(trial, name) for name in docks.NAMES], PALETTE[1:])
+        axis.set_aspect("equal")
         axis.set_title(text, color=INK, fontsize=9.5, loc="left", fontweight="bold")
         axis.set_xlabel("x [m]", color=INK)
     axes[0].set_ylabel("y [m]", color=INK)

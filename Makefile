@@ -5,7 +5,7 @@ BIN := .venv/bin
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: install demo test lint clean
+.PHONY: install demo test lint architecture clean
 
 install: .venv/installed
 
@@ -22,6 +22,10 @@ test: install lint
 
 lint: install
 	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+architecture: install
+	$(BIN)/python docs/draw_architecture.py
 
 clean:
 	rm -rf .venv recordings/runs

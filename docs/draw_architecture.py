@@ -76,7 +76,6 @@ def arrows() -> Counter[tuple[str, str]]:
 
 def direct(found: Counter[tuple[str, str]]) -> set[tuple[str, str]]:
     """Arrows that no chain of others implies: enough to follow the walk, few enough to see."""
-
     height = {room: k for k, floor in enumerate(FLOORS) for room in floor}
     down = {(a, b) for a, b in found if height.get(a, -1) > height.get(b, 99)}
 

@@ -34,6 +34,9 @@ leads the weightless arm; what was learned drives the robot where it was never s
 :func:`teach`, :func:`learn`, :func:`perform` and :func:`run` do the same step by step.
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from tpsim.controllers.finite_horizon import FiniteHorizon as FiniteHorizon
 from tpsim.controllers.minimal_intervention import MinimalIntervention as MinimalIntervention
 from tpsim.controllers.product import Skill as Skill
@@ -50,6 +53,7 @@ from tpsim.robot.views.sites import Object as Object
 from tpsim.robot.views.sites import Site as Site
 from tpsim.robot.views.view import Seen as Seen
 from tpsim.robot.views.view import View as View
+from tpsim.robot.views.view import observe as observe
 from tpsim.scene.compose import Camera as Camera
 from tpsim.scene.compose import Held as Held
 from tpsim.scene.compose import Placed as Placed
@@ -60,6 +64,8 @@ from tpsim.study.condition import Lead as Lead
 from tpsim.study.measure import Measure as Measure
 from tpsim.study.measure import rms as rms
 from tpsim.study.record import Record as Record
+from tpsim.study.record import Records as Records
+from tpsim.study.reference import load_study as load_study
 from tpsim.study.study import Lab as Lab
 from tpsim.study.study import Plan as Plan
 from tpsim.study.study import Study as Study
@@ -77,13 +83,30 @@ from tpsim.world.impedance import Impedance as Impedance
 from tpsim.world.object_path import ObjectPath as ObjectPath
 from tpsim.world.people.guide import Grip as Grip
 from tpsim.world.people.guide import Guide as Guide
+from tpsim.world.people.posture_script import hand_path as hand_path
+from tpsim.world.people.posture_script import through as through
 from tpsim.world.people.push import Push as Push
 from tpsim.world.people.script import Variation as Variation
 from tpsim.world.people.script import script as script
+from tpsim.world.people.script import straight as straight
 from tpsim.world.plant import Plant as Plant
 from tpsim.world.reach import reach as reach
 from tpsim.world.reach import satisfy as satisfy
 from tpsim.world.rollout import rollout as rollout
 from tpsim.world.teaching import Lesson as Lesson
 from tpsim.world.trial import Trial as Trial
+from tpsim.world.weightless import Weightless as Weightless
 from tpsim.world.world import World as World
+
+if TYPE_CHECKING:
+    from tpsim.task.environment import environment as environment
+    from tpsim.task.gymnasium import gym_environment as gym_environment
+
+_LATER = {"environment": "tpsim.task.environment", "gym_environment": "tpsim.task.gymnasium"}
+
+
+def __getattr__(name: str) -> object:
+    """Import environments when they are asked for: dm_control and Gymnasium may be missing."""
+    if name in _LATER:
+        return getattr(import_module(_LATER[name]), name)
+    raise AttributeError(f"module 'tpsim.lab' has no attribute '{name}'")

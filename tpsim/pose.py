@@ -42,6 +42,10 @@ class Pose(NamedTuple):
         """Unit quaternion (..., 4), (w, x, y, z)."""
         return rotation.to_quaternion(self.rotation)
 
+    def at(self, index: int) -> "Pose":
+        """One of several poses: ``pose[0]`` is the rotation, since a pose is a pair."""
+        return Pose(self.rotation[index], self.position[index])
+
     @classmethod
     def of_quaternion(cls, position: np.ndarray, quaternion: np.ndarray) -> "Pose":
         """Pose of a position (..., 3) [m] and a unit quaternion (..., 4), (w, x, y, z)."""

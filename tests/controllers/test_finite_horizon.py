@@ -56,9 +56,7 @@ def test_it_goes_where_the_movement_ends_and_stays(world):
 def test_it_follows_the_object(world):
     moved = np.array([0.0, 0.06, 0.03])
     there = ObjectPath.at("end", DOCK.position + moved)
-    trial = rollout(
-        world, controller(world), world.robot.home, 2.5, sites=SITES, objects=[there]
-    )
+    trial = rollout(world, controller(world), world.robot.home, 2.5, sites=SITES, objects=[there])
     way = trial["left_hand_position"][-1] - world.robot.at_home.pose("left_gripper").position
     np.testing.assert_allclose(way, moved, atol=5e-4)
 

@@ -4,9 +4,9 @@ import pytest
 from tpsim import Gaussian
 from tpsim.errors import ArgumentError
 from tpsim.examples import u_demonstration, u_demonstrations
-from tpsim.study.canvas import to_png
 from tpsim.experiment.compare import compare, figure, measure, retrieve_all, situations
 from tpsim.experiment.methods import METHODS
+from tpsim.study.canvas import to_png
 
 SEEN_FROM_FRAMES = ("TP-GMM", "TP-MFA", "TP-trajGMM", "TP-GP", "TP-LWR")
 

@@ -106,7 +106,8 @@ def test_a_world_repeats_from_its_text_bit_for_bit(cup_world):
 
 
 def test_any_mjcf_can_be_held_and_placed(tmp_path):
-    text = '<mujoco><worldbody><body name="ball"><geom size=".02" mass=".1"/></body></worldbody></mujoco>'
+    ball = '<body name="ball"><geom size=".02" mass=".1"/></body>'
+    text = f"<mujoco><worldbody>{ball}</worldbody></mujoco>"
     file = tmp_path / "stick.xml"
     file.write_text(text.replace("ball", "stick"))
     held = {"ball": Held(text, "tip")}

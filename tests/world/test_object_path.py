@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tpsim import rotation
-from tpsim.errors import ArgumentError
 from tpsim.controllers.renewed import FixedImpedance
+from tpsim.errors import ArgumentError
 from tpsim.world.object_path import MovingObjects, ObjectPath
 from tpsim.world.rollout import rollout
 

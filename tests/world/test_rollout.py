@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tpsim.errors import ArgumentError, SimulationError
 from tpsim.controllers.renewed import FixedImpedance
+from tpsim.errors import ArgumentError, SimulationError
 from tpsim.world.people.push import Push
 from tpsim.world.rollout import rollout
 from tpsim.world.weightless import Weightless
@@ -94,9 +94,7 @@ def test_a_controller_that_goes_wild_is_an_outcome_with_finite_signals(world):
         def command(self, state, time):
             return 400 * state.dq + 5.0
 
-    trial = rollout(
-        world, Wild(), world.robot.home, 2.0, sites=SITES
-    )
+    trial = rollout(world, Wild(), world.robot.home, 2.0, sites=SITES)
     assert trial.outcome in ("diverged", "contact")
     assert all(np.isfinite(signal).all() for signal in trial.arrays.values())
 

@@ -85,7 +85,9 @@ def test_the_hand_leads_the_weightless_arm_where_it_wants(world):
     trial = demonstrate(world, lesson, SITES)
     assert trial.outcome in ("done", "contact")
     np.testing.assert_allclose(trial["cup_position"][-1], hands.cup[1] + way[-1], atol=0.012)
-    np.testing.assert_allclose(trial["q"][:, 7:], np.tile(world.robot.home[7:], (200, 1)), atol=0.02)
+    np.testing.assert_allclose(
+        trial["q"][:, 7:], np.tile(world.robot.home[7:], (200, 1)), atol=0.02
+    )
     assert 0.5 < np.linalg.norm(trial["left_guide_wrench"][:, :3], axis=1).max() <= 60
 
 

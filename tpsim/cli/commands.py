@@ -18,7 +18,6 @@ from tpsim.cli.options import (
     Command,
     SeededCommand,
     StudyCommand,
-    known,
     not_negative,
     positive,
 )

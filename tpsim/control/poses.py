@@ -44,7 +44,7 @@ class SeenMovement:
     def seen_at(self, pose: Pose, common_reference) -> np.ndarray:
         """Mean (T, 6) in common coordinates, if the object alone is trusted."""
         (R, p), turned = pose, rotation.exp(self.mean[:, 3:]) @ self.reference
-        return coordinates((R @ turned, p + self.mean[:, :3] @ R.T), common_reference)
+        return coordinates(Pose(R @ turned, p + self.mean[:, :3] @ R.T), common_reference)
 
     def placed(self, pose: Pose, common_reference, near) -> tuple[np.ndarray, np.ndarray]:
         """Mean (T, 6) and precision (T, 6, 6) in common coordinates, Eq. (4), affine about near."""

@@ -10,9 +10,9 @@ from tpsim import plot
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.examples import u_demonstration, u_demonstrations, u_frames
-from tpsim.study.canvas import INK
 from tpsim.experiment.methods import METHODS, Frames
 from tpsim.gaussian import Gaussian
+from tpsim.study.canvas import INK
 
 SPREADS = (0.5, 1.0, 2.0, 3.0)
 """How far the frames of the four situations range; the demonstrations have 1."""

@@ -45,7 +45,7 @@ def clips(lab: Lab, records: Records) -> list[Clip]:
         found.append(_performance(lab, unpushed[0], "where it was never shown"))
     pushed = [record for record in performed if record.condition.people]
     if pushed:
-        worst, why = _worst(pushed, lab.study.measures)
+        worst, why = _worst(pushed, lab.study.all_measures)
         found.append(_performance(lab, worst, why))
     return found
 

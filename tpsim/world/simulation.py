@@ -126,4 +126,3 @@ class Simulation:
         """Advance one time step with joint torques (n,) [Nm]."""
         self._states[2][self._actuator] = torque
         mujoco.mj_step(self.model, self.data)
-

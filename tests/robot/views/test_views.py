@@ -180,7 +180,9 @@ def test_observations_are_the_values_along_a_path(cup_world):
     robot = cup_world.robot
     q = np.linspace(robot.home, robot.home + 0.1, 4)
     box = (np.tile([0.5, 0.1, 0.0], (4, 1)), np.tile([1.0, 0, 0, 0], (4, 1)))
-    pose, seen = observe(robot, [Site("cup").pose, Site("cup").seen_from(BOX).position], q, {"box": box})
+    pose, seen = observe(
+        robot, [Site("cup").pose, Site("cup").seen_from(BOX).position], q, {"box": box}
+    )
     assert pose.shape == (4, 6)
     np.testing.assert_allclose(seen, pose[:, :3] - [0.5, 0.1, 0.0], atol=1e-12)
     np.testing.assert_array_equal(pose[2], Site("cup").pose(robot.at(q[2])).value)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tpsim import rotation
+from tpsim.study.executor import perform_condition
 from tpsim.study.record import Records
 from tpsim.study.study import Lab, Plan
-from tpsim.study.executor import perform_condition
 from tpsim.task.task import draw_situation
 from tpsim.task.verbs import learn, perform, teach
 from tpsim.tasks.transfer import docks

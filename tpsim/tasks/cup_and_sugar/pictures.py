@@ -1,6 +1,6 @@
 """Pictures of the study of cup and sugar: sections of its report, sequences of its film."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 
 import numpy as np
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
-from tpsim import rotation
 from tpsim.controllers.minimal_intervention import MinimalIntervention, optimum
 from tpsim.controllers.product import Information, Skill
 from tpsim.robot.state import State
@@ -66,7 +65,7 @@ class Pursuit(MinimalIntervention):
         objects = state.objects
         if objects.twists is None:
             return state
-        R = rotation.from_quaternion(objects.quaternions)
+        R = objects.rotations
         own = objects.twists.reshape(-1, 2, 3) @ R
         ahead = own if self._was is None else 2 * own - self._was
         self._was = own

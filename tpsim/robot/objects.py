@@ -69,9 +69,18 @@ class Objects(Mapping[str, Moving]):
         rows = {name: row for row, name in enumerate(poses)}
         return cls(rows, positions, np.array(turned, float).reshape(-1, 4))
 
+    @property
+    def rotations(self) -> np.ndarray:
+        """Rotation matrices (k, 3, 3)."""
+        return np.array([self[name].rotation for name in self._rows])
+
     def moving(self, twists: np.ndarray) -> "Objects":
         """The same objects with other velocities (k, 6)."""
-        return Objects(self._rows, self.positions, self.quaternions, twists)
+        other = Objects(self._rows, self.positions, self.quaternions, twists)
+        for name, row in self._rows.items():
+            R, p = self[name][:2]
+            other._moving[name] = Moving(R, p, twists[row, :3], twists[row, 3:])
+        return other
 
     def __getitem__(self, name: str) -> Moving:
         """Return the object called ``name``."""

@@ -25,7 +25,7 @@ class Log:
 
     def __init__(self, episode: Episode, sites: Mapping[str, str]):
         self._robot, self._episode = episode.simulation.robot, episode
-        self._sites = dict(sites)
+        self._sites, self._hands = dict(sites), set(self._robot.hands.values())
         self._commands: list[Impedance | None] = []
         self._states: list[State] = []
         self._samples: dict[object, list[np.ndarray | int]] = defaultdict(list)
@@ -39,7 +39,13 @@ class Log:
         for person in episode.people:
             keep[person, "wrench"].append(person.wrench)
             keep[person, "point"].append(person.point)
-        self._states.append(episode.truth)
+        state = episode.truth
+        # Now, while its kinematics are computed; the state remembers them.
+        for site in self._sites.values():
+            state.pose(site)
+            if site in self._hands:
+                state.jacobian(site)
+        self._states.append(state)
         self._commands.append(command if isinstance(command, Impedance) else None)
 
     @property
@@ -53,10 +59,6 @@ class Log:
             tuple(self._episode.simulation.objects),
             tuple(people),
         )
-
-    @property
-    def _hands(self) -> set[str]:
-        return set(self._robot.hands.values())
 
     @property
     def _commanded(self) -> bool:

@@ -35,10 +35,12 @@ class Simulation:
             for body, row in enumerate(model.body_mocapid)
             if row >= 0
         }
-        self._qpos, self._dof = as_slice(robot.qpos), as_slice(robot.dof)
-        self._actuator = as_slice(robot.actuator)
-        # Views of MuJoCo's own memory: looking attributes up costs more than reading them.
-        self._states = self.data.qpos, self.data.qvel, self.data.ctrl
+        qpos, dof, actuator = (as_slice(i) for i in (robot.qpos, robot.dof, robot.actuator))
+        self._qpos, self._actuator = qpos, actuator
+        # Views of MuJoCo's own memory where they can be: looking them up costs more than reading.
+        data, together = self.data, isinstance(qpos, slice) and isinstance(dof, slice)
+        self._seen = (data.qpos[qpos], data.qvel[dof]) if together else None
+        self._dof, self._ctrl = dof, data.ctrl
         self.timestep = float(model.opt.timestep)
 
     def reset(self, q: np.ndarray) -> None:
@@ -70,14 +72,15 @@ class Simulation:
     @property
     def q(self) -> np.ndarray:
         """Joint angles (n,) [rad]."""
-        angles: np.ndarray = self._states[0][self._qpos]
+        angles: np.ndarray = self.data.qpos[self._qpos]
         return angles
 
     @property
     def x(self) -> np.ndarray:
         """Joint angles over velocities (2 n,) [rad], [rad/s], a copy."""
-        qpos, qvel, _ = self._states
-        return np.concatenate((qpos[self._qpos], qvel[self._dof]))
+        if self._seen is not None:
+            return np.concatenate(self._seen)
+        return np.concatenate((self.data.qpos[self._qpos], self.data.qvel[self._dof]))
 
     @property
     def time(self) -> float:
@@ -124,5 +127,5 @@ class Simulation:
 
     def step(self, torque: np.ndarray) -> None:
         """Advance one time step with joint torques (n,) [Nm]."""
-        self._states[2][self._actuator] = torque
+        self._ctrl[self._actuator] = torque
         mujoco.mj_step(self.model, self.data)

@@ -143,9 +143,9 @@ class SiteView(View):
 
     def see(self, state: State) -> Seen:
         """Value, Jacobian and drift at a state."""
-        R, p, J, drift = self._relative(state)
         if self.part == "position":
-            return Seen(p, J[:3], drift[:3])
+            return self._position(state)
+        R, p, J, drift = self._relative(state)
         error = R @ self.resolved(state.robot, self._back)
         turning = pin.Jlog3(error).T
         if self.part == "orientation":
@@ -158,6 +158,18 @@ class SiteView(View):
         if drift is not _STILL:
             drift = np.concatenate((drift[:3], turning @ drift[3:]))
         return Seen(value, jacobian, drift)
+
+    def _position(self, state: State) -> Seen:
+        """The position alone, which needs no rotation of the site."""
+        if isinstance(self.base, Object):
+            thing = state.objects[self.base.name]
+            arm, back = state.pose(self.site).position - thing.position, thing.rotation.T
+            J, drift = back @ state.jacobian(self.site)[:3], _STILL[:3]
+            if state.objects.twists is not None:
+                drift = -(back @ (thing.velocity + pin.skew(thing.angular_velocity) @ arm))
+            return Seen(back @ arm, J, drift)
+        _, p, J, drift = self._relative(state)
+        return Seen(p, J[:3], drift[:3])
 
     def rows(self, state: State) -> np.ndarray:
         """Jacobian up to an invertible map of its rows."""

@@ -9,6 +9,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -229,11 +230,17 @@ class Beneath(View):
         if self.bend is None:
             return Seen(value, beneath, drift, beneath)
         s = self.damping**2 + self.bend * float(np.sqrt(value @ value))
-        G = beneath @ beneath.T
+        G, eye = beneath @ beneath.T, _eye(len(value))
         # P = G (G + s I)^-1 = I - s (G + s I)^-1.
-        free = np.eye(len(value)) - s * dposv(G + s * np.eye(len(value)), np.eye(len(value)))[1]
+        free = eye - s * dposv(G + s * eye, eye)[1]
         rate = J_second if rate is None else rate
         return Seen(free @ value, beneath, free @ drift, free @ rate)
+
+
+@cache
+def _eye(size: int) -> np.ndarray:
+    """Identity, made once: control loops ask for it often."""
+    return np.eye(size)
 
 
 def stacked_rows(views: Sequence[View], state: State) -> np.ndarray:

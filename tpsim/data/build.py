@@ -45,9 +45,9 @@ def demonstrations_of(recordings: Sequence[Recording], columns: Columns) -> list
 
 
 def _demonstration(recording: Recording, columns: Columns, movement: Movement) -> Demonstration:
-    frames, observations = stored_frames(recording, columns, len(movement.time))
-    if columns.frames is not None:
-        frames, observations = frames_of(movement, columns.frames), None
+    frames, observations = frames_of(movement, columns.frames or ()), None
+    if columns.frames is None and not columns.says_movement:
+        frames, observations = stored_frames(recording, columns, len(movement.time))
     try:
         return Demonstration(movement.time, movement.data, frames, observations, recording.name)
     except TpsimError as error:

@@ -9,7 +9,7 @@ import numpy as np
 from tpsim.data.readers.transforms import Transforms
 from tpsim.data.recording import Series
 
-LARGEST = 64
+LARGEST = 1024
 """Arrays of more numbers are pictures and clouds, not signals."""
 
 _HEADERS = ("header", "timestamp", "stamp")

@@ -154,7 +154,8 @@ def mcap_ros2(folder: Path) -> Path:
         "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\n"
         "float64[] effort\n" + "=" * 80 + "\nMSG: std_msgs/Header\n"
         "builtin_interfaces/Time stamp\nstring frame_id\n"
-        + "=" * 80 + "\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n"
+        + "=" * 80
+        + "\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n"
     )
     with path.open("wb") as file:
         out = writer.Writer(file)

@@ -9,9 +9,8 @@ import pytest
 from tpsim import TpsimError
 from tpsim.data import read
 
-FILES = (
-    "text_csv", "tum", "euroc", "npz", "mat", "rosbag1", "rosbag2", "mcap_ros2", "robomimic", "lerobot"
-)  # fmt: skip
+FILES = ["text_csv", "tum", "euroc", "npz", "mat"]
+FILES += ["rosbag1", "rosbag2", "mcap_ros2", "robomimic", "lerobot"]
 
 
 def broken(sample: Path, folder: Path):
@@ -64,7 +63,9 @@ def test_a_file_of_another_kind_is_refused(sample, tmp_path, name):
             continue
         other = tmp_path / f"renamed{suffix}"
         shutil.copy(path, other)
-        with pytest.raises(TpsimError, match=r"truncated or no|no text|no numbers|empty|zero bytes"):
+        with pytest.raises(
+            TpsimError, match=r"truncated or no|no text|no numbers|empty|zero bytes"
+        ):
             read(other)
 
 

@@ -112,7 +112,9 @@ def test_segments_between_stops():
     rng = np.random.default_rng(1)
     parts = [still_moving_still(rng) for _ in range(3)]
     time = np.concatenate([t + 6.1 * i for i, (t, _) in enumerate(parts)])
-    data = np.concatenate([x * (1 - 2 * (i % 2)) + (i % 2) * x[-1] for i, (_, x) in enumerate(parts)])
+    data = np.concatenate(
+        [x * (1 - 2 * (i % 2)) + (i % 2) * x[-1] for i, (_, x) in enumerate(parts)]
+    )
     d = seen(time, data + 1e-4 * rng.normal(size=data.shape), "long")
     segments = segmented(d)
     assert [s.name for s in segments] == ["long-0", "long-1", "long-2"]

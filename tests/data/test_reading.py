@@ -61,7 +61,9 @@ def test_a_pose_seen_from_a_transform_in_a_tree(sample, truth, name):
 def test_robomimic_in_the_order_of_numbers(sample, truth):
     two, ten = read(sample("robomimic"))
     assert (two.name, ten.name) == ("demo_2", "demo_10")
-    np.testing.assert_allclose(two.data, np.hstack([truth.position + 2, truth.quaternion]), atol=1e-9)
+    np.testing.assert_allclose(
+        two.data, np.hstack([truth.position + 2, truth.quaternion]), atol=1e-9
+    )
     np.testing.assert_allclose(np.diff(two.time), 1 / 20)
 
 

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tpsim.data.clock import time_column
 from tpsim.data.columns import Columns
 from tpsim.data.frames import frames_of, signed
 from tpsim.data.movement import Movement, described, movement_of
@@ -34,9 +33,9 @@ def demonstrations_of(recordings: Sequence[Recording], columns: Columns) -> list
         movement = movement_of(recording, columns)
         if first is not None and movement.data.shape[1] != first.data.shape[1]:
             raise RecordingError(
-                f"{recording.source}: {recording.name or 'this recording'} has "
-                f"{movement.data.shape[1]} columns and {recordings[0].name or recordings[0].source} "
-                f"{first.data.shape[1]}; name the same columns in all, Columns(...)"
+                f"{recording.source}: {recording.name} has {movement.data.shape[1]} columns and "
+                f"{recordings[0].name} {first.data.shape[1]}; name the same columns in all, "
+                "Columns(...)"
             )
         movement = signed(movement, first)
         first = first or movement
@@ -84,15 +83,9 @@ def stored_frames(
                 f"must be ({samples}, D d) and ({samples}, D)"
             )
         A = A.reshape(samples, b.shape[1], -1)
-        constant = bool((A == A[0]).all() and (b == b[0]).all())
+        constant = bool((A[0] == A).all() and (b == b[0]).all())
         frames.append(Frame(A[0], b[0]) if constant else Frame(A, b))
         if recording.has(f"observation_{j}"):
             observations.append(table.values(f"observation_{j}", {}))
     own = tuple(observations) if len(observations) == len(frames) else None
     return tuple(frames), own
-
-
-def numbering(recording: Recording) -> set[str]:
-    """Columns that hold no movement: stamps and numbers of demonstrations."""
-    times = (time_column(series) for series in recording.series)
-    return {name for name in (*times, *NUMBERS) if name}

@@ -1,4 +1,4 @@
-"""Clean demonstrations: each function takes and returns values, and keeps what frames saw in step."""
+"""Clean demonstrations, with frames and observations in step: functions from values to values."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -110,7 +110,9 @@ def smoothed(demonstration: Demonstration, window: float = 0.1, *, order: int = 
         Too few samples for the order, or an argument out of its range.
     """
     if not window > 0 or order < 0 or order != int(order):
-        raise ArgumentError(f"window {window} s and order {order}; give a window > 0, an order >= 0")
+        raise ArgumentError(
+            f"window {window} s and order {order}; give a window > 0, an order >= 0"
+        )
     if len(demonstration) < order + 2:
         raise ArgumentError(
             f"order {order} needs {order + 2} samples, {len(demonstration)} were given"
@@ -173,7 +175,11 @@ def _filtered(demonstration: Demonstration, width: int, order: int) -> Demonstra
     ]
     observations = tuple(smooth(o) for o in demonstration.observations or ())
     return Demonstration(
-        demonstration.time, smooth(demonstration.data), tuple(frames), observations, demonstration.name
+        demonstration.time,
+        smooth(demonstration.data),
+        tuple(frames),
+        observations,
+        demonstration.name,
     )
 
 

@@ -58,7 +58,7 @@ class Columns:
     order : str
         Of the orientation's columns: ``"wxyz"`` or ``"xyzw"`` quaternions, ``"rotvec"``,
         ``"matrix"`` (9 columns, row by row), ``"pose"`` (16 columns of a 4 x 4 matrix, column by
-        column as libfranka writes it), or scipy's names of Euler angles, such as ``"xyz"``, ``"ZYX"``.
+        column as libfranka writes it), or scipy's names of Euler angles, such as ``"xyz"``.
     joints : column names
     other : column names
         Taken as they are, behind position, orientation and joints.

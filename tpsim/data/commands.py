@@ -147,9 +147,7 @@ def learn(
     )
 
 
-def _frames(
-    recording: Recording, columns: Columns
-) -> tuple[str | PoseColumns, ...] | None:
+def _frames(recording: Recording, columns: Columns) -> tuple[str | PoseColumns, ...] | None:
     if columns.frames:
         return tuple(columns.frames)
     stored = recording.has("A_0") and not columns.says_movement

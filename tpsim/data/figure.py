@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase
 
 from tpsim.data.labels import POSITION
 from tpsim.demonstration import Demonstration
@@ -29,10 +29,14 @@ def draw(
     count = min(len(labels), MOST)
     planar = tuple(labels[:2]) == POSITION[:2]
     rows = -(-count // 2)
-    figure = Figure(figsize=(10.5 if planar else 7.6, max(4.2, 1.5 * rows + 0.6)), layout="constrained")
+    figure = Figure(
+        figsize=(10.5 if planar else 7.6, max(4.2, 1.5 * rows + 0.6)), layout="constrained"
+    )
     FigureCanvasAgg(figure)
-    left, right = figure.subfigures(1, 2, width_ratios=(1, 1.5)) if planar else (None, figure)
-    if left is not None:
+    right: FigureBase = figure
+    if planar:
+        halves = figure.add_gridspec(1, 2, width_ratios=(1, 1.5))
+        left, right = figure.add_subfigure(halves[0]), figure.add_subfigure(halves[1])
         _draw_paths(left.subplots(), movements, retrieved, labels, frames)
     axes = np.ravel(right.subplots(rows, min(count, 2), sharex=True, squeeze=False))
     for i, axis in enumerate(axes):
@@ -44,7 +48,9 @@ def draw(
         if i + 2 >= count:
             axis.set_xlabel("time [s]", color=INK)
     right.suptitle(
-        "dashed: demonstrated    full: retrieved, with one standard deviation", fontsize=9, color=INK
+        "dashed: demonstrated    full: retrieved, with one standard deviation",
+        fontsize=9,
+        color=INK,
     )
     return to_png(figure)
 
@@ -84,19 +90,31 @@ def _draw_frame(axis: Axes, movement: Demonstration, j: int, size: float, name: 
             axis.plot(*np.transpose([origin, tip]), color=colour, lw=1.6, solid_capstyle="round")
     if name:
         axis.annotate(
-            name, origin, (4, -9), textcoords="offset points", fontsize=8, color=INK, zorder=5
+            name,
+            (origin[0], origin[1]),
+            (4, -9),
+            textcoords="offset points",
+            fontsize=8,
+            color=INK,
+            zorder=5,
         )
 
 
 def _draw_column(
-    axis: Axes, i: int, movements: Sequence[Demonstration], retrieved: Sequence[Gaussian], label: str
+    axis: Axes,
+    i: int,
+    movements: Sequence[Demonstration],
+    retrieved: Sequence[Gaussian],
+    label: str,
 ) -> None:
     _plain(axis)
     for n, (movement, path) in enumerate(zip(movements, retrieved, strict=True)):
         colour = PALETTE[n % len(PALETTE)]
         deviation = np.sqrt(path.covariance[:, i, i])
         mean = path.mean[:, i]
-        axis.fill_between(movement.time, mean - deviation, mean + deviation, color=colour, alpha=0.12, lw=0)
+        axis.fill_between(
+            movement.time, mean - deviation, mean + deviation, color=colour, alpha=0.12, lw=0
+        )
         axis.plot(movement.time, movement.data[:, i], color=colour, lw=1, ls=(0, (3, 2)), alpha=0.7)
         axis.plot(movement.time, mean, color=colour, lw=1.6)
     axis.set_ylabel(label, color=INK)
@@ -112,5 +130,5 @@ def _plain(axis: Axes) -> None:
     axis.spines[["left", "bottom"]].set(color=INK, alpha=0.5, linewidth=0.8)
     axis.grid(color=INK, alpha=0.1, lw=0.7)
     axis.tick_params(color=INK, labelcolor=INK, labelsize=8, length=3, width=0.7)
-    axis.xaxis.label.set_size(9)
-    axis.yaxis.label.set_size(9)
+    axis.xaxis.label.set_fontsize(9)
+    axis.yaxis.label.set_fontsize(9)

@@ -1,6 +1,7 @@
 """Object poses of a file as task parameters: frames of the movement's own coordinates, Eq. (4)."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,7 +9,7 @@ from numpy.typing import ArrayLike
 from tpsim import rotation
 from tpsim.data.columns import Columns, PoseColumns
 from tpsim.data.movement import Movement, Placed, movement_of
-from tpsim.data.orientation import left_multiplication
+from tpsim.data.orientation import agreeing, left_multiplication
 from tpsim.data.recording import Recording, Series
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
@@ -53,29 +54,24 @@ def signed(movement: Movement, like: Movement | None = None) -> Movement:
 
     A movement's quaternions agree with the other's, an object's are such that what it sees does.
     """
-    from dataclasses import replace
-
-    from tpsim.data.orientation import agreeing
-
     quaternion = movement.quaternion
     if quaternion.size:
         quaternion = rotation.continuous(quaternion)
-        if like is not None:
-            quaternion = agreeing(quaternion, like.quaternion)
+        quaternion = quaternion if like is None else agreeing(quaternion, like.quaternion)
     objects = []
     for j, placed in enumerate(movement.objects):
         turn = placed.quaternion
         if turn is not None:
             turn = rotation.continuous(turn)
-            if like is not None and quaternion.size:
-                seen = _seen(turn, quaternion)
-                other = like.objects[j].quaternion
-                if other is not None:
-                    turn = turn * np.sign(
-                        agreeing(seen, _seen(other, like.quaternion))[0] @ seen[0]
-                    )
+            other = None if like is None else like.objects[j].quaternion
+            if like is not None and other is not None and quaternion.size:
+                turn = turn * _sign(_seen(turn, quaternion), _seen(other, like.quaternion))
         objects.append(replace(placed, quaternion=turn))
     return replace(movement, quaternion=quaternion, objects=tuple(objects))
+
+
+def _sign(quaternion: np.ndarray, like: np.ndarray) -> float:
+    return -1.0 if like.mean(0) @ quaternion.mean(0) < 0 else 1.0
 
 
 def frames_of(movement: Movement, frames: Sequence[str | PoseColumns]) -> tuple[Frame, ...]:

@@ -14,7 +14,7 @@ QUATERNION = ("qw", "qx", "qy", "qz")
 
 
 def labels_of(recording: Recording, columns: Columns) -> list[str]:
-    """Names of the D columns that :func:`tpsim.data.read` makes of a recording, with known units."""
+    """Name the D columns that :func:`tpsim.data.read` makes of a recording, with known units."""
     columns = described(recording, columns)
     table = Table.of(recording, columns)
     n = table.values(columns.position, LENGTH).shape[1]

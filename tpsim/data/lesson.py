@@ -49,7 +49,9 @@ def learned(
     }
     paths = {
         "model": model.save(out / "model.npz"),
-        "retrieved": write_csv(out / "retrieved.csv", _as_demonstrations(movements, retrieved, labels)),
+        "retrieved": write_csv(
+            out / "retrieved.csv", _as_demonstrations(movements, retrieved, labels)
+        ),
         "plot": _save(out / "learned.png", draw(movements, retrieved, labels, frames)),
         "summary": out / "summary.json",
     }

@@ -1,12 +1,10 @@
 """The columns of a recording as position, orientation and joints, in SI units, row by row."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tpsim.data import orientation
-from tpsim.data.columns import Columns, Names, PoseColumns
+from tpsim.data.columns import Columns, PoseColumns
 from tpsim.data.layouts import layout_of
 from tpsim.data.poses import pose_named
 from tpsim.data.recording import Recording
@@ -18,7 +16,7 @@ from tpsim.errors import RecordingError
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """An object at every sample: position (T, n) [m] and quaternion (T, 4) or none."""
+    """An object: position (T, n) [m] and quaternion (T, 4) or none; one row where it stays."""
 
     name: str
     position: np.ndarray
@@ -26,7 +24,9 @@ class Placed:
     moving: bool
 
     def rows(self, keep: np.ndarray) -> "Placed":
-        """Only the given rows."""
+        """Only the given rows, of an object that moves."""
+        if not self.moving:
+            return self
         quaternion = None if self.quaternion is None else self.quaternion[keep]
         return replace(self, position=self.position[keep], quaternion=quaternion)
 
@@ -80,7 +80,9 @@ def movement_of(recording: Recording, columns: Columns) -> Movement:
             f"{recording.source}: position has {movement.position.shape[1]} columns; give 3, or 2 "
             "in the plane; what is no position goes to Columns(other=...)"
         )
-    movement = movement.rows(used_rows(recording, table.series, table.time, _parts(movement), columns.bad_rows == "drop"))
+    movement = movement.rows(
+        used_rows(recording, table.series, table.time, _parts(movement), columns.bad_rows == "drop")
+    )
     if not recording.clock:
         return movement
     return replace(movement, time=movement.time - movement.time[0])
@@ -98,7 +100,7 @@ def objects_of(columns: Columns) -> list[str | PoseColumns]:
 
 
 def placed_in(table: Table, frame: str | PoseColumns, columns: Columns) -> Placed:
-    """Read an object's pose at every sample."""
+    """Read an object's pose: at every sample, or at the first that knows it."""
     source = table.recording.source
     if isinstance(frame, str):
         frame = replace(pose_named(table.recording, frame), name=frame, moving=columns.moving)
@@ -109,6 +111,11 @@ def placed_in(table: Table, frame: str | PoseColumns, columns: Columns) -> Place
             "2 in the plane"
         )
     quaternion = table.turn(frame.orientation, frame.order)
+    if not frame.moving:
+        known = np.flatnonzero(np.isfinite(np.hstack([position, quaternion])).all(1))
+        if not len(known):
+            raise RecordingError(f"{source}: frame {frame.name!r} is not a number in any row")
+        position, quaternion = position[known[:1]], quaternion[known[:1]]
     return Placed(frame.name, position, quaternion if quaternion.size else None, frame.moving)
 
 
@@ -119,9 +126,7 @@ def _parts(movement: Movement) -> dict[str, np.ndarray]:
         "joints or other": movement.rest,
     }
     for placed in movement.objects:
-        seen = slice(None) if placed.moving else slice(0, 1)
-        pose = placed.position if placed.quaternion is None else np.hstack([placed.position, placed.quaternion])
-        known = np.zeros_like(pose)
-        known[seen] = pose[seen]
-        parts[f"frame {placed.name!r}"] = known
+        if placed.moving:
+            turn = [] if placed.quaternion is None else [placed.quaternion]
+            parts[f"frame {placed.name!r}"] = np.hstack([placed.position, *turn])
     return parts

@@ -3,8 +3,6 @@
 import re
 from collections.abc import Mapping
 
-import numpy as np
-
 from tpsim.data.columns import PoseColumns
 from tpsim.data.recording import Recording, Series
 from tpsim.errors import RecordingError
@@ -15,7 +13,7 @@ _POSE = r"(pose|transform)"
 _SEPARATOR = r"[._/ :-]"
 _NO_POSITION = re.compile(
     r"(vel|acc|force|torque|wrench|twist|omega|gyro|linear|angular|rpy|euler|magnet|bias|gravity"
-    r"|(^|[._/ ])[vwafrbdm][._/ ]?$|[vabw]_RS)",
+    r"|(^|[._/ ])[vwafrdm][._/ ]?$|[vabw]_RS)",
     re.IGNORECASE,
 )
 _ANGLES = ("theta", "angle", "yaw", "heading", "phi")
@@ -25,8 +23,8 @@ def poses_in(recording: Recording) -> dict[str, PoseColumns]:
     """Poses of a recording by the name of what they are poses of; ``""`` where none is said.
 
     Recognised are columns such as ``box_x, box_y, box_z, box_qw, ...``, ``tx, ty, tz, qx, ...``,
-    ``/box/pose/position/x, ...``, arrays ``box_position (T, 3)`` with ``box_quaternion (T, 4)``, and
-    in the plane ``box_x, box_y, box_angle``.
+    ``/box/pose/position/x, ...``, arrays ``box_position (T, 3)`` with ``box_quaternion (T, 4)``,
+    and in the plane ``box_x, box_y, box_angle``.
     """
     found: dict[str, PoseColumns] = {}
     for series in recording.series:
@@ -69,7 +67,7 @@ def _from_scalars(series: Series) -> dict[str, PoseColumns]:
     found: dict[str, PoseColumns] = {}
     turns: dict[str, tuple[str, ...]] = {}
     for stem in stems:
-        x, y, z, w = ("XYZW" if stem + "X" in names else "xyzw")[:4]
+        x, y, z, w = list("XYZW" if stem + "X" in names else "xyzw")
         if {stem + w, stem + y, stem + z} <= names:
             turns[_owner(stem, _ORIENTATION)] = (stem + w, stem + x, stem + y, stem + z)
         elif stem + y not in names or not _may_be_position(stem):
@@ -83,7 +81,9 @@ def _from_scalars(series: Series) -> dict[str, PoseColumns]:
             found.setdefault(
                 _owner(stem, _POSITION),
                 PoseColumns(
-                    position=(stem + x, stem + y), orientation=(angle,) if angle else (), order="angle"
+                    position=(stem + x, stem + y),
+                    orientation=(angle,) if angle else (),
+                    order="angle",
                 ),
             )
     return _named(found, turns, "wxyz")
@@ -128,4 +128,3 @@ def _owner(stem: str, word: str) -> str:
     for what in (word, _POSE):
         stem = re.sub(rf"(^|{_SEPARATOR}){what}{_SEPARATOR}?$", "", stem)
     return re.sub(rf"{_SEPARATOR}+$", "", stem)
-

@@ -3,7 +3,7 @@
 import difflib
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 
 import numpy as np
@@ -133,8 +133,6 @@ def by_length(columns: Mapping[str, np.ndarray]) -> tuple[Series, ...]:
 
 def split(recording: Recording, column: Name) -> list[Recording]:
     """Make one recording of the rows of every value of ``column``, in order of appearance."""
-    from dataclasses import replace
-
     holder, values = recording.find(column)
     labels = values[:, 0]
     if np.isnan(labels).any():

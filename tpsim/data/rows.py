@@ -54,8 +54,9 @@ def used_rows(
         row = int(rows[late][0])
         word = "repeats" if time[row] == time[row - 1] else "goes back behind"
         raise RecordingError(
-            f"{_title(recording)}: the stamp of {said(np.array([row]), series)}, {time[row]:.9g} s, "
-            f"{word} that of row {row - 1}, {time[row - 1]:.9g} s ({int(late.sum())} such rows); "
+            f"{_title(recording)}: the stamp of {said(np.array([row]), series)}, "
+            f"{time[row]:.9g} s, {word} that of row {row - 1}, {time[row - 1]:.9g} s "
+            f"({int(late.sum())} such rows); "
             "mend them, or leave such rows out with Columns(bad_rows='drop')"
         )
     if not (~late).any():

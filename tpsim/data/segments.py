@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -114,7 +115,7 @@ def _between_changes(
 def _between(demonstration: Demonstration, cuts: np.ndarray) -> list[tuple[int, int]]:
     inside = np.unique(cuts[(cuts > 0) & (cuts < len(demonstration) - 1)])
     edges = [0, *(int(cut) for cut in inside), len(demonstration) - 1]
-    return [(a, b + 1) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    return [(a, b + 1) for a, b in pairwise(edges)]
 
 
 def _best_cuts(time: np.ndarray, x: np.ndarray, pieces: int | None, most: int) -> list[int]:

@@ -25,7 +25,7 @@ class Table:
 
     @classmethod
     def of(cls, recording: Recording, columns: Columns) -> "Table":
-        """Choose the series that holds the movement; cut it to where all of the movement is known."""
+        """Choose the series of the movement, and cut it to where all of the movement is known."""
         parts = (columns.position, columns.orientation, columns.joints, columns.other)
         holders = [recording.find(name)[0] for names in parts for name in listed(names)]
         if not holders:
@@ -36,7 +36,8 @@ class Table:
         others = [other.time for other in holders if other is not series and other.time is not None]
         if others and series.time is not None:
             inside = np.all(
-                [(time.min() <= series.time) & (series.time <= time.max()) for time in others], axis=0
+                [(time.min() <= series.time) & (series.time <= time.max()) for time in others],
+                axis=0,
             )
             series = series.rows(inside)
         if not len(series):
@@ -66,7 +67,9 @@ class Table:
                 f"{self.recording.source}: {names} are {values.shape[1]} columns; the order "
                 f"{order!r} asks for {orientation.width(order)}"
             )
-        result = orientation.quaternions(np.asarray(values, float), order, self._factor(series, first, ANGLE))
+        result = orientation.quaternions(
+            np.asarray(values, float), order, self._factor(series, first, ANGLE)
+        )
         if self.columns.bad_rows == "refuse":
             lost = np.isnan(result).any(1) & np.isfinite(values).all(1)
             refuse(self.recording, series, f"the quaternion {first} has length zero", lost)

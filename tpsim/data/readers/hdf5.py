@@ -22,7 +22,11 @@ def recordings(path: Path) -> list[Recording]:
         import h5py
     with opened(path, "HDF5 file"), h5py.File(path, "r") as file:
         data = file.get("data")
-        demos = [] if not isinstance(data, h5py.Group) else [n for n in data if isinstance(data[n], h5py.Group)]
+        demos = (
+            []
+            if not isinstance(data, h5py.Group)
+            else [n for n in data if isinstance(data[n], h5py.Group)]
+        )
         if not demos:
             return [_recording(path, file, path.stem, "hdf5", None)]
         rate = _rate(data.attrs.get("env_args"))
@@ -37,7 +41,13 @@ def _recording(
 
     def collect(key: str, item: object) -> None:
         shape, kind = getattr(item, "shape", ()), getattr(getattr(item, "dtype", None), "kind", "")
-        if kind in "fiub" and kind and 1 <= len(shape) <= 2 and 0 not in shape and not key.startswith("next_obs"):
+        if (
+            kind in "fiub"
+            and kind
+            and 1 <= len(shape) <= 2
+            and 0 not in shape
+            and not key.startswith("next_obs")
+        ):
             columns[key] = np.asarray(item[()], float)  # type: ignore[index]
 
     group.visititems(collect)
@@ -56,7 +66,12 @@ def _defaults(columns: dict[str, np.ndarray], rate: float | None) -> Columns:
     if "time" in columns or "obs/time" in columns:
         return movement.over(Columns(time="time"))
     states = columns.get("states")
-    if rate is None and states is not None and states.ndim == 2 and (np.diff(states[:, 0]) > 0).all():
+    if (
+        rate is None
+        and states is not None
+        and states.ndim == 2
+        and (np.diff(states[:, 0]) > 0).all()
+    ):
         return movement.over(Columns(time="states[0]"))  # MuJoCo's flat states begin with time
     return movement.over(Columns(rate=rate))
 

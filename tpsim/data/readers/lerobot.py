@@ -28,7 +28,9 @@ def recordings(path: Path) -> list[Recording]:
         files = sorted((path / "data").rglob("*.parquet"))
         if not files:
             raise RecordingError(f"{path}: holds no data/**/*.parquet")
-        names = [n for n, about in features.items() if about["dtype"] not in ("video", "image", "string")]
+        names = [
+            n for n, about in features.items() if about["dtype"] not in ("video", "image", "string")
+        ]
         table = pyarrow.concat_tables([parquet.read_table(file, columns=names) for file in files])
         columns = {name: _values(path, table, name) for name in names}
         if not columns or "episode_index" not in columns:
@@ -69,7 +71,7 @@ def _values(path: Path, table: "pyarrow.Table", name: str) -> np.ndarray:
     if column.null_count:
         row = int(np.flatnonzero(column.is_null().to_numpy(zero_copy_only=False))[0])
         raise RecordingError(f"{path}: {name} is empty in row {row}")
-    if not hasattr(column, "flatten") or not hasattr(column, "offsets") and not _fixed(column):
+    if not hasattr(column, "flatten") or (not hasattr(column, "offsets") and not _fixed(column)):
         return np.asarray(column.to_numpy(zero_copy_only=False), float)
     flat = column
     while hasattr(flat, "flatten") and (hasattr(flat, "offsets") or _fixed(flat)):
@@ -86,7 +88,7 @@ def _fixed(column: "pyarrow.Array") -> bool:
 
 def _named(features: dict, columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Columns of their own for what the features name: ``observation.state.x``."""
-    named = {}
+    named: dict[str, np.ndarray] = {}
     for feature, about in features.items():
         names = about.get("names")
         if isinstance(names, dict):

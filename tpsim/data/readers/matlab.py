@@ -1,9 +1,9 @@
 """MATLAB files: the layouts of pbdlib, and matrices by name.
 
 pbdlib keeps a demonstration as ``s(n).Data`` (D x T) or ``s(n).Data0`` with the frames
-``s(n).p(m).A``, ``s(n).p(m).b``, or all together in a tensor ``Data`` (D x P x N) of what every frame
-saw; its letters are cells ``demos{n}.pos`` (2 x T). None says what time it was: its scripts take
-10 ms a sample.
+``s(n).p(m).A``, ``s(n).p(m).b``, or all together in a tensor ``Data`` (D x P x N) of what every
+frame saw; its letters are cells ``demos{n}.pos`` (2 x T). None says what time it was: its scripts
+take 10 ms a sample.
 """
 
 from pathlib import Path
@@ -25,7 +25,7 @@ _TIMES = ("time", "t", "Time")
 
 
 def recordings(path: Path) -> list[Recording]:
-    """Read demonstrations in one of pbdlib's layouts, or matrices with one row or column a sample."""
+    """Read one of pbdlib's layouts, or matrices with one row or column a sample."""
     from scipy.io import loadmat
 
     with opened(path, "MATLAB file"):
@@ -87,7 +87,10 @@ def _situation(path: Path, n: int, data: np.ndarray, frames: list) -> Recording:
     if timed:
         columns = {"data": data[:, 1:], "time": data[:, 0]}
         defaults = Columns(other="data", time="time")
-        frames = [(A[..., -len(data.T) + 1 :, -len(data.T) + 1 :], b[..., 1 - len(data.T) :]) for A, b in frames]
+        frames = [
+            (A[..., -len(data.T) + 1 :, -len(data.T) + 1 :], b[..., 1 - len(data.T) :])
+            for A, b in frames
+        ]
     for j, (A, b) in enumerate(frames):
         columns[f"A_{j}"] = np.broadcast_to(A, (len(data), *A.shape[-2:])).reshape(len(data), -1)
         columns[f"b_{j}"] = np.broadcast_to(b, (len(data), b.shape[-1]))
@@ -101,7 +104,10 @@ def _first_is_input(data: np.ndarray, frames: list) -> bool:
         return False
     return all(
         A.shape[-1] == D - 1
-        or (A.shape[-2:] == (D, D) and bool((A[..., 0, :] == np.eye(D)[0]).all() and (b[..., 0] == 0).all()))
+        or (
+            A.shape[-2:] == (D, D)
+            and bool((A[..., 0, :] == np.eye(D)[0]).all() and (b[..., 0] == 0).all())
+        )
         for A, b in frames
     )
 
@@ -128,12 +134,16 @@ def _matrices(path: Path, variables: dict) -> Recording:
     time = next((name for name in _TIMES if _is_matrix(variables.get(name))), None)
     matrices = {name: value for name, value in variables.items() if _is_matrix(value)}
     if not matrices:
-        raise RecordingError(f"{path}: holds no matrices; it has {', '.join(variables) or 'nothing'}")
+        raise RecordingError(
+            f"{path}: holds no matrices; it has {', '.join(variables) or 'nothing'}"
+        )
     samples = variables[time].size if time else max(max(m.shape) for m in matrices.values())
     columns = {}
     for name, value in matrices.items():
         values = value if value.shape[0] == samples else value.T
-        columns["time" if name == time else name] = np.ravel(values) if 1 in values.shape else values
+        columns["time" if name == time else name] = (
+            np.ravel(values) if 1 in values.shape else values
+        )
     return Recording(str(path), by_length(numeric(columns, path)), path.stem, "mat")
 
 
@@ -147,7 +157,12 @@ def _fields(struct: Any) -> dict[str, Any]:
 
 
 def _is_matrix(value: Any) -> bool:
-    return isinstance(value, np.ndarray) and value.ndim == 2 and value.dtype.kind in "fiu" and value.size > 1
+    return (
+        isinstance(value, np.ndarray)
+        and value.ndim == 2
+        and value.dtype.kind in "fiu"
+        and value.size > 1
+    )
 
 
 def _is_tensor(value: Any) -> bool:

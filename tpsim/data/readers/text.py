@@ -42,7 +42,9 @@ def recordings(path: Path) -> list[Recording]:
             f"{layout.first_line}) has {len(fields)}"
         )
     numeric = [
-        i for i, field in enumerate(fields) if _is_number(field, layout) and (headings is None or headings[i])
+        i
+        for i, field in enumerate(fields)
+        if _is_number(field, layout) and (headings is None or headings[i])
     ]
     if not numeric:
         raise RecordingError(f"{path}: row 0 (line {layout.first_line}) holds no numbers")
@@ -209,7 +211,12 @@ def _exact(rows: str, layout: _Layout, column: int) -> np.ndarray:
     """Stamps of a clock: a double rounds Unix time to 0.2 us, and nanoseconds by 0.1 us."""
     lines = rows.splitlines()
     return np.loadtxt(
-        lines, dtype=np.longdouble, delimiter=layout.separator, usecols=column, ndmin=1, quotechar='"'
+        lines,
+        dtype=np.longdouble,
+        delimiter=layout.separator,
+        usecols=column,
+        ndmin=1,
+        quotechar='"',
     )
 
 

@@ -106,7 +106,9 @@ def features_of(episode: Mapping[str, np.ndarray]) -> dict[str, dict[str, Any]]:
         name: {
             "dtype": _COUNTERS.get(name) or _dtype(name),
             "shape": [1 if values.ndim == 1 else values.shape[1]],
-            "names": None if name in _COUNTERS else [f"{name.split('.')[-1]}_{i}" for i in range(values.shape[1])],
+            "names": None
+            if name in _COUNTERS
+            else [f"{name.split('.')[-1]}_{i}" for i in range(values.shape[1])],
         }
         for name, values in episode.items()
     }
@@ -149,7 +151,12 @@ def _stats(columns: Mapping[str, np.ndarray]) -> dict[str, dict[str, list[float]
     found = {}
     for name, values in columns.items():
         values = values.reshape(len(values), -1).astype(float)
-        about = {"min": values.min(0), "max": values.max(0), "mean": values.mean(0), "std": values.std(0)}
+        about = {
+            "min": values.min(0),
+            "max": values.max(0),
+            "mean": values.mean(0),
+            "std": values.std(0),
+        }
         about |= {f"q{round(100 * q):02d}": np.quantile(values, q, axis=0) for q in QUANTILES}
         found[name] = {key: value.tolist() for key, value in about.items()}
         found[name]["count"] = [len(values)]

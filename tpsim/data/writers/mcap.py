@@ -48,7 +48,10 @@ def write_mcap(path: str | Path, items: Sequence[Item] | Item, *, world: str = "
         writer.start(library="tpsim")
         schemas = {
             name: writer.register_schema(name, "jsonschema", json.dumps(schema).encode())
-            for name, schema in (("foxglove.PoseInFrame", POSE_IN_FRAME), ("tpsim.Samples", SAMPLES))
+            for name, schema in (
+                ("foxglove.PoseInFrame", POSE_IN_FRAME),
+                ("tpsim.Samples", SAMPLES),
+            )
         }
         for i, one in enumerate(signals):
             _write(writer, schemas, f"/demonstration_{i}", one, world)
@@ -64,18 +67,16 @@ def _write(
         "samples": ("tpsim.Samples", _samples(signals, nanoseconds))
     }
     for name, (position, quaternion) in poses_of(signals).items():
-        messages = (
-            pose_in_frame(int(ns), world, p, q)
-            for ns, p, q in zip(nanoseconds, position, quaternion, strict=True)
-        )
+        poses = zip(nanoseconds, position, quaternion, strict=True)
+        messages = (pose_in_frame(int(ns), world, p, q) for ns, p, q in poses)
         topics[name] = ("foxglove.PoseInFrame", messages)
     channels = {
         name: writer.register_channel(f"{prefix}/{name}", "json", schemas[kind])
         for name, (kind, _) in topics.items()
     }
     for ns in map(int, nanoseconds):
-        for name, (_, messages) in topics.items():
-            content = json.dumps(next(messages)).encode()
+        for name, (_, waiting) in topics.items():
+            content = json.dumps(next(waiting)).encode()
             writer.add_message(channels[name], log_time=ns, publish_time=ns, data=content)
 
 

@@ -21,9 +21,7 @@ def write_frames(
     import pyarrow
     import pyarrow.parquet as parquet
 
-    schema = pyarrow.schema(
-        [pyarrow.field(name, _type(about)) for name, about in features.items()]
-    )
+    schema = pyarrow.schema([pyarrow.field(name, _type(about)) for name, about in features.items()])
     places = _places(episodes)
     for place in dict.fromkeys(places):
         file = folder / f"data/chunk-{place[0]:03d}/file-{place[1]:03d}.parquet"

@@ -49,14 +49,14 @@ class Signals:
         ArgumentError
             There is none; the message names those that are there.
         """
-        chosen = list(names) if names is not None else [n for n in ("data", "q") if n in self.columns][:1]
+        chosen = [n for n in ("data", "q") if n in self.columns][:1] if names is None else names
         missing = [name for name in chosen if name not in self.columns]
         if missing or not chosen:
             raise ArgumentError(
-                f"{self.name}: there is no signal {missing[0] if missing else 'data or q'}; name the "
-                f"state, one or more of {', '.join(self.columns)}"
+                f"{self.name}: there is no signal {missing[0] if missing else 'data or q'}; name "
+                f"the state, one or more of {', '.join(self.columns)}"
             )
-        return chosen
+        return list(chosen)
 
     def action(self, name: str | None, state: np.ndarray) -> np.ndarray:
         """Actions (T, n): as named, else ``torque``, else the state of the next sample."""

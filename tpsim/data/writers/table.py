@@ -12,8 +12,8 @@ from tpsim.whole import whole_file
 def write_csv(path: str | Path, items: Sequence[Item] | Item) -> Path:
     """Write demonstrations or trials to one CSV file.
 
-    Columns are ``time`` [s] and ``data[0], data[1], ...``; frames are ``A_0[0], ...`` (row by row) and
-    ``b_0[0], ...``; a trial's arrays have their own names. Several are told apart by the column
+    Columns are ``time`` [s] and ``data[0], data[1], ...``; frames are ``A_0[0], ...`` (row by row)
+    and ``b_0[0], ...``; a trial's arrays have their own names. Several are told apart by the column
     ``demonstration``. Numbers are written so that :func:`tpsim.data.read` gives back the same bits.
 
     Raises
@@ -32,5 +32,7 @@ def write_csv(path: str | Path, items: Sequence[Item] | Item) -> Path:
     path = Path(path)
     with whole_file(path) as file:
         header = ",".join(names)
-        np.savetxt(file, np.vstack(tables), "%.17g", ",", header=header, comments="", encoding="utf-8")
+        np.savetxt(
+            file, np.vstack(tables), "%.17g", ",", header=header, comments="", encoding="utf-8"
+        )
     return path

@@ -1,6 +1,6 @@
 """Which model: the one that errs least in situations that it was not taught in."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,38 +46,48 @@ def retrieve(model: TPGMM, movement: Demonstration) -> Gaussian:
     return fuse_frames(views, movement.frames)
 
 
-def choose(movements: Sequence[Demonstration], components: int | None) -> Choice:
+Unseen = list[tuple[Demonstration, Gaussian]]
+"""Movements, each with what a model retrieves there that has not seen it."""
+
+
+def choose(movements: Sequence[Demonstration], components: int | None) -> tuple[Choice, Unseen]:
     """Choose by the error in situations left out of the learning, every column by its spread.
 
     With fewer than three movements there is nothing to choose by: five full components, or as
     many as asked for.
+
+    Raises
+    ------
+    ArgumentError
+        No candidate can be fitted.
     """
-    numbers = COMPONENTS if components is None else (components,)
-    candidates = [Choice(K, structure) for structure in STRUCTURES for K in numbers]
     if len(movements) < 3:
-        return Choice(5 if components is None else components, "full")
+        return Choice(5 if components is None else components, "full"), []
+    numbers = COMPONENTS if components is None else (components,)
     spread = np.std(np.vstack([m.data for m in movements]), axis=0)
     scale = np.where(spread > 1e-9 * spread.max(), spread, np.inf)
-    scored = []
-    for candidate in candidates:
+    best: tuple[float, Choice, Unseen] | None = None
+    refused: ArgumentError | None = None
+    for choice in (Choice(K, structure) for structure in STRUCTURES for K in numbers):
         try:
-            errors = [
-                np.mean(((m.data - r.mean) / scale) ** 2) for m, r in left_out(movements, candidate)
-            ]
-            scored.append((float(np.mean(errors)), candidate))
-        except ArgumentError as error:
+            unseen = left_out(movements, choice)
+        except ArgumentError as error:  # more components than samples, say
             refused = error
-    if not scored:
+            continue
+        score = float(np.mean([np.mean(((m.data - r.mean) / scale) ** 2) for m, r in unseen]))
+        if best is None or score < best[0]:
+            best = score, choice, unseen
+    if best is None:
+        assert refused is not None
         raise refused
-    return min(scored, key=lambda pair: pair[0])[1]
+    return best[1:]
 
 
-def left_out(
-    movements: Sequence[Demonstration], choice: Choice
-) -> Iterable[tuple[Demonstration, Gaussian]]:
-    """Yield every movement with what a model retrieves there that has not seen it."""
+def left_out(movements: Sequence[Demonstration], choice: Choice) -> Unseen:
+    """Retrieve every movement by a model that has not seen it."""
     folds = min(len(movements), FOLDS)
+    unseen = []
     for fold in range(folds):
         model = choice.fit([m for i, m in enumerate(movements) if i % folds != fold])
-        for movement in movements[fold::folds]:
-            yield movement, retrieve(model, movement)
+        unseen += [(m, retrieve(model, m)) for m in movements[fold::folds]]
+    return unseen

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tpsim.data.choice import choose, left_out, retrieve
+from tpsim.data.choice import choose, retrieve
 from tpsim.data.cleaning import aligned, resampled, trimmed
 from tpsim.data.figure import draw
 from tpsim.data.labels import POSITION, QUATERNION
@@ -32,10 +32,9 @@ def learned(
 ) -> dict[str, Any]:
     """Clean, learn, retrieve, draw and save; see :func:`tpsim.data.commands.learn`."""
     movements = prepared(demonstrations, samples=samples, trim=trim, align=align)
-    choice = choose(movements, components)
+    choice, unseen = choose(movements, components)
     model = choice.fit(movements)
     retrieved = [retrieve(model, movement) for movement in movements]
-    unseen = list(left_out(movements, choice)) if len(movements) > 2 else []
     about: dict[str, Any] = {
         "demonstrations": len(movements),
         "samples": samples,

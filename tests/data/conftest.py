@@ -77,7 +77,7 @@ def mat(folder: Path) -> Path:
     s = np.zeros(3, [("p", object), ("Data", object), ("nbData", object)])
     for n in range(3):
         s[n] = (p, POSITION.T[:2] + n, float(T))
-    savemat(path, {"s": s, "nbSamples": 3})
+    savemat(path, {"s": s, "nbSamples": 3}, do_compression=True)
     return path
 
 

@@ -1,13 +1,17 @@
 """Whatever is wrong with a file, one line of a TpsimError says so."""
 
 import shutil
+import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tpsim import TpsimError
-from tpsim.data import read
+from tpsim.data import Columns, read
 
 FILES = ["text_csv", "tum", "euroc", "npz", "mat"]
 FILES += ["rosbag1", "rosbag2", "mcap_ros2", "robomimic", "lerobot"]
@@ -71,3 +75,55 @@ def test_a_file_of_another_kind_is_refused(sample, tmp_path, name):
 
 def test_the_truth_is_listed(truth):
     assert list(FILES) == truth.files
+
+
+@pytest.mark.parametrize(
+    ("name", "package", "what"),
+    [
+        ("robomimic", "h5py", "HDF5 files"),
+        ("lerobot", "pyarrow", "LeRobot datasets"),
+        ("rosbag1", "rosbags", "ROS bags"),
+        ("mcap_ros2", "mcap", "MCAP files"),
+    ],
+)
+def test_a_missing_package_is_named_with_its_extra(sample, monkeypatch, name, package, what):
+    path = sample(name)
+    for module in [m for m in sys.modules if m.partition(".")[0] == package]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(TpsimError, match=rf"{what} need .*{package}.*pip install 'tpsim\[data\]'"):
+        read(path)
+
+
+def test_text_is_the_same_with_and_without_arrow(sample, monkeypatch):
+    (one,) = read(sample("text_csv"))
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    (other,) = read(sample("text_csv"))
+    np.testing.assert_array_equal(one.data, other.data)
+    np.testing.assert_array_equal(one.time, other.time)
+
+
+def test_messages_that_nothing_here_decodes_are_named(tmp_path):
+    writer = pytest.importorskip("mcap.writer")
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        out = writer.Writer(file)
+        out.start()
+        schema = out.register_schema("foxglove.PoseInFrame", "protobuf", b"")
+        out.add_message(out.register_channel("/pose", "protobuf", schema), 0, b"", 0)
+        out.finish()
+    with pytest.raises(TpsimError, match="no messages with numbers in JSON or ROS 2, only in prot"):
+        read(path)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.text(alphabet="01.,;-e \t\n\"'#xna[]", max_size=60))
+def test_any_text_is_read_or_refused(text):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "a.csv"
+        path.write_text(text)
+        try:
+            (d,) = read(path, Columns(rate=10))
+            assert np.isfinite(d.data).all()
+        except TpsimError as error:
+            assert "\n" not in str(error)

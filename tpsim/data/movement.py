@@ -8,7 +8,7 @@ from tpsim.data.columns import Columns, PoseColumns
 from tpsim.data.layouts import layout_of
 from tpsim.data.poses import pose_named
 from tpsim.data.recording import Recording
-from tpsim.data.rows import used_rows
+from tpsim.data.rows import usable, used_rows
 from tpsim.data.table import Table
 from tpsim.data.units import ANGLE, LENGTH
 from tpsim.errors import RecordingError
@@ -112,7 +112,7 @@ def placed_in(table: Table, frame: str | PoseColumns, columns: Columns) -> Place
         )
     quaternion = table.turn(frame.orientation, frame.order)
     if not frame.moving:
-        known = np.flatnonzero(np.isfinite(np.hstack([position, quaternion])).all(1))
+        known = np.flatnonzero(usable(np.hstack([position, quaternion])))
         if not len(known):
             raise RecordingError(f"{source}: frame {frame.name!r} is not a number in any row")
         position, quaternion = position[known[:1]], quaternion[known[:1]]

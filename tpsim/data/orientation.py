@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
+from tpsim.data.rows import usable
 from tpsim.errors import ArgumentError
 
 WIDTH = {"wxyz": 4, "xyzw": 4, "rotvec": 3, "matrix": 9, "pose": 16, "angle": 1}
@@ -33,7 +34,7 @@ def quaternions(values: np.ndarray, order: str, factor: float = 1.0) -> np.ndarr
     angles.
     """
     result = np.full((len(values), 4), np.nan)
-    good = np.isfinite(values).all(1)
+    good = usable(values)
     if order in ("wxyz", "xyzw"):
         norm = np.linalg.norm(np.where(good[:, None], values, 1.0), axis=1)
         good &= norm > 1e-6

@@ -6,6 +6,15 @@ from tpsim.data.recording import Recording, Series
 from tpsim.errors import RecordingError
 
 
+BEYOND = 1e100
+"""Numbers beyond this are no measurements: their squares overflow."""
+
+
+def usable(values: np.ndarray) -> np.ndarray:
+    """Where all numbers of a row (T, d) are finite and not beyond all range, (T,)."""
+    return (np.abs(values) < BEYOND).all(1)
+
+
 def refuse(recording: Recording, series: Series, what: str, bad: np.ndarray) -> None:
     """Raise where any row is bad.
 
@@ -42,8 +51,8 @@ def used_rows(
     RecordingError
         There are other rows and ``drop`` is false, or none is left.
     """
-    missing = {"time": ~np.isfinite(time)}
-    missing |= {name: ~np.isfinite(values).all(1) for name, values in parts.items()}
+    missing = {"time": ~usable(time[:, None])}
+    missing |= {name: ~usable(values) for name, values in parts.items()}
     if not drop:
         for name, bad in missing.items():
             refuse(recording, series, f"{name} is not a number", bad)

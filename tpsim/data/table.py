@@ -9,7 +9,7 @@ from tpsim.data import orientation
 from tpsim.data.clock import stamps
 from tpsim.data.columns import Columns, Name, Names, listed
 from tpsim.data.recording import Recording, Series
-from tpsim.data.rows import refuse
+from tpsim.data.rows import refuse, usable
 from tpsim.data.units import ANGLE, LENGTH
 from tpsim.errors import RecordingError
 
@@ -71,7 +71,7 @@ class Table:
             np.asarray(values, float), order, self._factor(series, first, ANGLE)
         )
         if self.columns.bad_rows == "refuse":
-            lost = np.isnan(result).any(1) & np.isfinite(values).all(1)
+            lost = np.isnan(result).any(1) & usable(values)
             refuse(self.recording, series, f"the quaternion {first} has length zero", lost)
         return self._on_clock(series, result, first, turn=True)
 
@@ -99,7 +99,7 @@ class Table:
                 f"{self.recording.source}: {name} has {len(values)} rows and the movement "
                 f"{len(self.time)}; columns that belong together must be equally long"
             )
-        good = np.isfinite(values).all(1) & np.isfinite(series.time)
+        good = usable(values) & np.isfinite(series.time)
         time, first = np.unique(series.time[good], return_index=True)
         values = values[good][first]
         if not len(time):

@@ -416,3 +416,29 @@ def test_matrices_by_name_with_a_sample_a_row_or_a_column(tmp_path):
         (d,) = read(tmp_path / "m.mat", Columns(joints=name))
         np.testing.assert_array_equal(d.data, q)
         assert d.time[1] == pytest.approx(0.1)
+
+
+def test_frames_of_arrays_need_no_time_and_an_object_may_be_given_once():
+    hand = np.random.default_rng(0).normal(size=(5, 3))
+    trial = {"hand_position": hand, "cup_position": np.ones((1, 3)), "outcome": "done"}
+    columns = Columns(position="hand_position", frames=["cup", "end"])
+    cup, end = frames_from(trial, columns)
+    np.testing.assert_array_equal(cup.b, np.ones(3))
+    np.testing.assert_array_equal(end.b, hand[-1])
+
+
+def test_an_object_that_is_lost_at_first_is_taken_where_it_is_known(tmp_path):
+    names = ["t", "x", "y", "box_x", "box_y"]
+    rows = [[0, 0, 0, np.nan, np.nan], [1, 1, 1, 5, 6], [2, 2, 2, np.nan, 6]]
+    (d,) = read(written(tmp_path, table(names, rows)), Columns(frames=["box"]))
+    assert len(d) == 3
+    np.testing.assert_array_equal(d.frames[0].b, [5, 6])
+    with pytest.raises(TpsimError, match=r"frame 'box' is not a number in 2 rows: 0, 2"):
+        read(tmp_path / "a.csv", Columns(frames=["box"], moving=True))
+
+
+def test_a_description_does_not_change_with_the_list_it_was_made_of():
+    names = ["x", "y", "z"]
+    columns = Columns(position=names)
+    names.append("w")
+    assert columns.position == ("x", "y", "z")

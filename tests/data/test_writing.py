@@ -216,3 +216,16 @@ def test_what_cannot_be_written(tmp_path, call, words):
     with pytest.raises(TpsimError, match=words):
         call(tmp_path)
     assert [p.name for p in tmp_path.iterdir()] == ["here"]
+
+
+@pytest.mark.parametrize("name", ["d.csv", "d.hdf5", "d.mcap"])
+def test_frames_that_are_not_square_come_back(tmp_path, name):
+    pytest.importorskip("h5py")
+    pytest.importorskip("mcap")
+    rng = np.random.default_rng(0)
+    frames = [Frame(rng.normal(size=(3, 2)), rng.normal(size=3)) for _ in range(2)]
+    written = Demonstration(np.arange(6.0), rng.normal(size=(6, 3)), frames)
+    (path,) = write(tmp_path / name, [written])
+    (again,) = read(path)
+    for one, other in zip(again.frames, frames, strict=True):
+        np.testing.assert_array_equal(one.A, other.A)

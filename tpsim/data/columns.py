@@ -110,6 +110,9 @@ class Columns:
             raise ArgumentError(f"bad_rows is {self.bad_rows!r}; give 'refuse' or 'drop'")
         if isinstance(self.frames, str | PoseColumns):
             object.__setattr__(self, "frames", (self.frames,))
+        for name in (*_MOVEMENT, "frames"):
+            if isinstance(value := getattr(self, name), list):
+                object.__setattr__(self, name, tuple(value))
 
     @property
     def says_movement(self) -> bool:

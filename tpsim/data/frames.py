@@ -7,10 +7,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim import rotation
+from tpsim.data.clock import time_column
 from tpsim.data.columns import Columns, PoseColumns
 from tpsim.data.movement import Movement, Placed, movement_of
 from tpsim.data.orientation import agreeing, left_multiplication
-from tpsim.data.recording import Recording, Series
+from tpsim.data.readers.arrays import numeric
+from tpsim.data.recording import Recording, by_length
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 
@@ -44,8 +46,10 @@ def frames_from(
         An object in the plane beside a movement in space, or the reverse.
     """
     if not isinstance(recording, Recording):
-        arrays = {name: np.asarray(values, float) for name, values in recording.items()}
-        recording = Recording("the mapping", (Series(arrays),))
+        arrays = {name: np.asarray(values) for name, values in recording.items()}
+        recording = Recording("the arrays", by_length(numeric(arrays, "the arrays")))
+        if columns.time is None and not any(map(time_column, recording.series)):
+            columns = replace(columns, rate=columns.rate or 1.0)  # frames need no time
     return frames_of(signed(movement_of(recording, columns)), columns.frames or ())
 
 

@@ -5,7 +5,6 @@ import numpy as np
 from tpsim.data.recording import Recording, Series
 from tpsim.errors import RecordingError
 
-
 BEYOND = 1e100
 """Numbers beyond this are no measurements: their squares overflow."""
 

@@ -22,7 +22,7 @@ def recordings(path: Path) -> list[Recording]:
     return [Recording(str(path), by_length(numeric(arrays, path)), name, "npz")]
 
 
-def numeric(arrays: dict[str, np.ndarray], path: Path) -> dict[str, np.ndarray]:
+def numeric(arrays: dict[str, np.ndarray], path: Path | str) -> dict[str, np.ndarray]:
     """Arrays of numbers as columns (T,) or (T, d); constant frames of a demonstration repeated.
 
     Raises

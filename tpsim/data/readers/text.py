@@ -194,7 +194,9 @@ def _numbers(path: Path, rows: str, layout: _Layout, columns: list[int]) -> np.n
 def _fault(rows: str, layout: _Layout, columns: list[int]) -> str | None:
     """Say where a table breaks off."""
     width = len(_fields(_first_row(rows), layout.separator))
-    lines = [(i, line) for i, line in enumerate(rows.splitlines()) if line.strip()]
+    lines = [
+        (i, line) for i, line in enumerate(rows.splitlines()) if line.partition("#")[0].strip()
+    ]
     for row, (i, line) in enumerate(lines):
         where = f"row {row} (line {layout.first_line + i})"
         fields = _fields(line, layout.separator)

@@ -90,7 +90,11 @@ def _episode(
     names = signals.state(state)
     whole = np.hstack([signals.columns[name] for name in names])
     features = {"observation.state": whole, "action": signals.action(action, whole)}
-    features |= {f"observation.{n}": v for n, v in signals.columns.items() if n not in names}
+    features |= {
+        f"observation.{n.replace('/', '.')}": v
+        for n, v in signals.columns.items()
+        if n not in names
+    }
     return features | {
         "timestamp": np.arange(T) / rate,
         "frame_index": np.arange(T),

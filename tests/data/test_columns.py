@@ -442,3 +442,15 @@ def test_a_description_does_not_change_with_the_list_it_was_made_of():
     columns = Columns(position=names)
     names.append("w")
     assert columns.position == ("x", "y", "z")
+
+
+@pytest.mark.parametrize("ending", ["", "Z", "+02:00"])
+def test_dates_are_stamps(tmp_path, ending):
+    lines = [
+        f"2026-05-01T12:00:{59 + i // 4}.{i % 4 * 25:02d}0000001{ending},{i}" for i in range(4)
+    ]
+    (d,) = read(written(tmp_path, "\n".join(["timestamp,x", *lines])))
+    np.testing.assert_allclose(d.time, [0, 0.25, 0.5, 0.75], atol=1e-12)
+    lines[2] = "yesterday,2"
+    with pytest.raises(TpsimError, match=r"row 2 \(line 4\) has 'yesterday' in column timestamp"):
+        read(written(tmp_path, "\n".join(["timestamp,x", *lines])))

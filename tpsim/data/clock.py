@@ -6,7 +6,7 @@ import numpy as np
 
 from tpsim.data.columns import Columns
 from tpsim.data.recording import Recording, Series
-from tpsim.data.units import TIME, unit_of_stamps
+from tpsim.data.units import TIME, name_and_unit, unit_of_stamps
 from tpsim.errors import RecordingError
 
 CLOCK = 1e6
@@ -17,6 +17,11 @@ _TIME = re.compile(
     r"(_(s|ms|us|ns|sec|secs|msec))?",
     re.IGNORECASE,
 )
+
+
+def is_time(name: str) -> bool:
+    """Whether a column with this heading holds stamps."""
+    return _TIME.fullmatch(name_and_unit(name)[0]) is not None
 
 
 def time_column(series: Series) -> str | None:

@@ -76,7 +76,7 @@ def stored_frames(
     for j in itertools.count():
         if not recording.has(f"A_{j}"):
             break
-        A, b = table.values(f"A_{j}", {}), table.values(f"b_{j}", {})
+        A, b = table.values(f"A_{j}"), table.values(f"b_{j}")
         if not b.shape[1] or A.shape[1] % b.shape[1] or len(A) != samples:
             raise RecordingError(
                 f"{recording.source}: A_{j} and b_{j} have shapes {A.shape} and {b.shape}; they "
@@ -86,6 +86,6 @@ def stored_frames(
         constant = bool((A[0] == A).all() and (b == b[0]).all())
         frames.append(Frame(A[0], b[0]) if constant else Frame(A, b))
         if recording.has(f"observation_{j}"):
-            observations.append(table.values(f"observation_{j}", {}))
+            observations.append(table.values(f"observation_{j}"))
     own = tuple(observations) if len(observations) == len(frames) else None
     return tuple(frames), own

@@ -6,7 +6,6 @@ from tpsim.data.columns import Columns, Names, listed
 from tpsim.data.movement import described
 from tpsim.data.recording import Recording
 from tpsim.data.table import Table
-from tpsim.data.units import ANGLE, LENGTH
 from tpsim.data.writers.signals import parts_of
 
 POSITION = ("x [m]", "y [m]", "z [m]")
@@ -17,15 +16,15 @@ def labels_of(recording: Recording, columns: Columns) -> list[str]:
     """Name the D columns that :func:`tpsim.data.read` makes of a recording, with known units."""
     columns = described(recording, columns)
     table = Table.of(recording, columns)
-    n = table.values(columns.position, LENGTH).shape[1]
+    n = table.values(columns.position).shape[1]
     labels = list(POSITION[:n])
     if columns.orientation:
         labels += QUATERNION
-    labels += [f"{name} [rad]" for name in _named(table, columns.joints, ANGLE)]
-    return labels + list(_named(table, columns.other, {}))
+    labels += [f"{name} [rad]" for name in _named(table, columns.joints)]
+    return labels + list(_named(table, columns.other))
 
 
-def _named(table: Table, names: Names | None, units: dict[str, float]) -> Iterator[str]:
+def _named(table: Table, names: Names | None) -> Iterator[str]:
     for name in listed(names):
         series, values = table.recording.find(name)
         found = series.names_of(name)

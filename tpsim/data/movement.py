@@ -10,7 +10,6 @@ from tpsim.data.poses import pose_named
 from tpsim.data.recording import Recording
 from tpsim.data.rows import usable, used_rows
 from tpsim.data.table import Table
-from tpsim.data.units import ANGLE, LENGTH
 from tpsim.errors import RecordingError
 
 
@@ -70,9 +69,9 @@ def movement_of(recording: Recording, columns: Columns) -> Movement:
     order = columns.order or "wxyz"
     movement = Movement(
         table.time,
-        table.values(columns.position, LENGTH),
+        table.values(columns.position, "length"),
         table.turn(columns.orientation, order),
-        np.hstack([table.values(columns.joints, ANGLE), table.values(columns.other, {})]),
+        np.hstack([table.values(columns.joints, "angle"), table.values(columns.other)]),
         tuple(placed_in(table, frame, columns) for frame in objects_of(columns)),
     )
     if movement.position.shape[1] not in (0, 2, 3):
@@ -104,7 +103,7 @@ def placed_in(table: Table, frame: str | PoseColumns, columns: Columns) -> Place
     source = table.recording.source
     if isinstance(frame, str):
         frame = replace(pose_named(table.recording, frame), name=frame, moving=columns.moving)
-    position = table.values(frame.position, LENGTH)
+    position = table.values(frame.position, "length")
     if position.shape[1] not in (2, 3):
         raise RecordingError(
             f"{source}: frame {frame.name!r} has {position.shape[1]} position columns; give 3, or "

@@ -1,7 +1,7 @@
 """Columns of a recording by what they mean, all on the clock of the movement."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -12,6 +12,8 @@ from tpsim.data.recording import Recording, Series
 from tpsim.data.rows import refuse, usable
 from tpsim.data.units import ANGLE, LENGTH
 from tpsim.errors import RecordingError
+
+Kind = Literal["length", "angle", "number"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,12 +46,12 @@ class Table:
             raise RecordingError(f"{recording.source}: the movement's columns share no time")
         return cls(recording, columns, series, stamps(recording, series, columns))
 
-    def values(self, names: Names | None, units: Mapping[str, float]) -> np.ndarray:
-        """Values (T, n) of columns, in SI units."""
+    def values(self, names: Names | None, kind: Kind = "number") -> np.ndarray:
+        """Values (T, n) of columns, in SI units: [m] of a length, [rad] of an angle."""
         parts = [np.empty((len(self.time), 0))]
         for name in listed(names):
             series, values = self._find(name)
-            values = np.asarray(values * self._factor(series, name, units), float)
+            values = np.asarray(values * self._factor(series, name, kind), float)
             parts.append(self._on_clock(series, values, name))
         return np.hstack(parts)
 
@@ -68,7 +70,7 @@ class Table:
                 f"{order!r} asks for {orientation.width(order)}"
             )
         result = orientation.quaternions(
-            np.asarray(values, float), order, self._factor(series, first, ANGLE)
+            np.asarray(values, float), order, self._factor(series, first, "angle")
         )
         if self.columns.bad_rows == "refuse":
             lost = np.isnan(result).any(1) & usable(values)
@@ -79,11 +81,11 @@ class Table:
         values = self.series.values(name)
         return self.recording.find(name) if values is None else (self.series, values)
 
-    def _factor(self, series: Series, name: Name, units: Mapping[str, float]) -> float:
+    def _factor(self, series: Series, name: Name, kind: Kind) -> float:
         """Factor to SI: the description's unit, else the heading's."""
-        described = {id(LENGTH): self.columns.length_unit, id(ANGLE): self.columns.angle_unit}
+        described = {"length": self.columns.length_unit, "angle": self.columns.angle_unit}
         found = series.names_of(name)
-        unit = described.get(id(units)) or (series.units.get(found[0]) if found else None)
+        unit = described.get(kind) or (series.units.get(found[0]) if found else None)
         return {**LENGTH, **ANGLE}.get(unit or "", 1.0)
 
     def _on_clock(

@@ -22,11 +22,8 @@ def recordings(path: Path) -> list[Recording]:
         import h5py
     with opened(path, "HDF5 file"), h5py.File(path, "r") as file:
         data = file.get("data")
-        demos = (
-            []
-            if not isinstance(data, h5py.Group)
-            else [n for n in data if isinstance(data[n], h5py.Group)]
-        )
+        groups = data.items() if isinstance(data, h5py.Group) else ()
+        demos = [name for name, item in groups if isinstance(item, h5py.Group)]
         if not demos:
             return [_recording(path, file, path.stem, "hdf5", None)]
         rate = _rate(data.attrs.get("env_args"))
@@ -37,18 +34,16 @@ def recordings(path: Path) -> list[Recording]:
 def _recording(
     path: Path, group: "h5py.Group", name: str, format: str, rate: float | None
 ) -> Recording:
+    import h5py
+
     columns: dict[str, np.ndarray] = {}
 
-    def collect(key: str, item: object) -> None:
-        shape, kind = getattr(item, "shape", ()), getattr(getattr(item, "dtype", None), "kind", "")
-        if (
-            kind in "fiub"
-            and kind
-            and 1 <= len(shape) <= 2
-            and 0 not in shape
-            and not key.startswith("next_obs")
-        ):
-            columns[key] = np.asarray(item[()], float)  # type: ignore[index]
+    def collect(key: str, item: "h5py.Group | h5py.Dataset") -> None:
+        # robomimic's next_obs are its obs, one sample later; arrays of rank 3 are pictures.
+        if isinstance(item, h5py.Group) or key.startswith("next_obs"):
+            return
+        if item.ndim in (1, 2) and item.size and item.dtype.kind in "fiub":
+            columns[key] = np.asarray(item[()], float)
 
     group.visititems(collect)
     if not columns:
@@ -65,13 +60,8 @@ def _defaults(columns: dict[str, np.ndarray], rate: float | None) -> Columns:
         movement = Columns(joints="obs/robot0_joint_pos")
     if "time" in columns or "obs/time" in columns:
         return movement.over(Columns(time="time"))
-    states = columns.get("states")
-    if (
-        rate is None
-        and states is not None
-        and states.ndim == 2
-        and (np.diff(states[:, 0]) > 0).all()
-    ):
+    states = columns.get("states", np.empty(0))
+    if rate is None and states.ndim == 2 and (np.diff(states[:, 0]) > 0).all():
         return movement.over(Columns(time="states[0]"))  # MuJoCo's flat states begin with time
     return movement.over(Columns(rate=rate))
 

@@ -1,6 +1,7 @@
 """LeRobot datasets: Parquet tables of all episodes, described by ``meta/info.json``."""
 
 import json
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from tpsim.errors import RecordingError
 if TYPE_CHECKING:
     import pyarrow
 
+_NUMBERS = re.compile(r"(float|u?int)\d+|bool")
 _BOOKKEEPING = {"timestamp", "frame_index", "episode_index", "index", "task_index"}
 
 
@@ -28,9 +30,7 @@ def recordings(path: Path) -> list[Recording]:
         files = sorted((path / "data").rglob("*.parquet"))
         if not files:
             raise RecordingError(f"{path}: holds no data/**/*.parquet")
-        names = [
-            n for n, about in features.items() if about["dtype"] not in ("video", "image", "string")
-        ]
+        names = [name for name, about in features.items() if _NUMBERS.match(about["dtype"])]
         table = pyarrow.concat_tables([parquet.read_table(file, columns=names) for file in files])
         columns = {name: _values(path, table, name) for name in names}
         if not columns or "episode_index" not in columns:
@@ -67,23 +67,20 @@ def _episode(
 
 
 def _values(path: Path, table: "pyarrow.Table", name: str) -> np.ndarray:
+    """Values (T,) or (T, d) of a column of numbers or of lists of them."""
+    from pyarrow import types
+
     column = table[name].combine_chunks()
     if column.null_count:
         row = int(np.flatnonzero(column.is_null().to_numpy(zero_copy_only=False))[0])
         raise RecordingError(f"{path}: {name} is empty in row {row}")
-    if not hasattr(column, "flatten") or (not hasattr(column, "offsets") and not _fixed(column)):
-        return np.asarray(column.to_numpy(zero_copy_only=False), float)
     flat = column
-    while hasattr(flat, "flatten") and (hasattr(flat, "offsets") or _fixed(flat)):
+    while types.is_nested(flat.type):
         flat = flat.flatten()
     values = np.asarray(flat.to_numpy(zero_copy_only=False), float)
-    if len(values) % len(column):
-        raise RecordingError(f"{path}: rows of {name} have different lengths")
-    return values.reshape(len(column), -1)
-
-
-def _fixed(column: "pyarrow.Array") -> bool:
-    return hasattr(column.type, "list_size")
+    if not len(column) or len(values) % len(column):
+        raise RecordingError(f"{path}: rows of {name} are empty or of different lengths")
+    return values if flat is column else values.reshape(len(column), -1)
 
 
 def _named(features: dict, columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -1,8 +1,8 @@
 """How a table in text is written: its characters, its headings, its separator."""
 
 import csv
-import io
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -38,7 +38,8 @@ class Written:
 
     def first_fields(self) -> list[str]:
         """Fields of row 0."""
-        return self.fields(self.rows.partition("\n")[0])
+        end = self.rows.find("\n")
+        return self.fields(self.rows if end < 0 else self.rows[:end])
 
     def heading(self, column: int) -> str:
         """Heading of a column, or ``c0``, ``c1``, ... where there are none."""
@@ -56,8 +57,7 @@ def written(path: Path) -> Written:
     text = _decoded(path)
     comment: str | None = None
     heading: str | None = None
-    for i, line in enumerate(io.StringIO(text), start=1):
-        content = line.strip()
+    for i, start, content in _lines(text):
         if not content:
             continue
         separator = next((mark for mark in ("\t", ";", ",") if mark in content), None)
@@ -68,8 +68,7 @@ def written(path: Path) -> Written:
             if headings is None:
                 described = _headings(comment, separator)
                 headings = described if described and len(described) == len(numbers) else None
-            rows = text.split("\n", i - 1)[-1]
-            return Written(_with_points(rows, separator), headings, separator, i)
+            return Written(_with_points(text[start:], separator), headings, separator, i)
         if content.startswith(_MARKS):
             comment = content.lstrip("#%/ ")
         elif heading is None:
@@ -79,6 +78,16 @@ def written(path: Path) -> Written:
                 f"{path}: line {i} holds no numbers; a table has one line of headings at most"
             )
     raise RecordingError(f"{path}: there are no rows of numbers")
+
+
+def _lines(text: str) -> Iterator[tuple[int, int, str]]:
+    """Yield number, start and content of every line, without a copy of the whole text."""
+    start, number = 0, 1
+    while start < len(text):
+        end = text.find("\n", start)
+        end = len(text) if end < 0 else end
+        yield number, start, text[start:end].strip()
+        start, number = end + 1, number + 1
 
 
 def fields_of(line: str, separator: str | None) -> list[str]:
@@ -131,6 +140,6 @@ def _decoded(path: Path) -> str:
             text = raw.decode("utf-8-sig")
         except UnicodeDecodeError:
             text = raw.decode("latin-1")
-    if not text.strip():
+    if not text or text.isspace():
         raise RecordingError(f"{path} is empty")
     return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text

@@ -137,6 +137,9 @@ def test_several_demonstrations_in_one_table(tmp_path):
     first, second = read(path, Columns(demonstration="run"))
     np.testing.assert_array_equal(first.data[:, 0], [1, 2])
     np.testing.assert_array_equal(second.time, [0, 2, 4])
+    path = written(tmp_path, table(["t", "episode", "x"], rows), "b.csv")
+    first, second = read(path)  # under a usual name it need not be said
+    np.testing.assert_array_equal(second.data, [[3], [4], [5]])
 
 
 turns = st.lists(st.floats(-3, 3), min_size=3, max_size=3).filter(

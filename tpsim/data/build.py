@@ -7,15 +7,13 @@ import numpy as np
 
 from tpsim.data.columns import Columns
 from tpsim.data.frames import frames_of, signed
+from tpsim.data.layouts import NUMBERS
 from tpsim.data.movement import Movement, described, movement_of
 from tpsim.data.recording import Recording, split
 from tpsim.data.table import Table
 from tpsim.demonstration import Demonstration
 from tpsim.errors import RecordingError, TpsimError
 from tpsim.frame import Frame
-
-NUMBERS = ("demonstration", "episode", "episode_index", "demo", "demo_id", "trial")
-"""Usual names of a column that numbers the demonstrations of one file."""
 
 
 def demonstrations_of(recordings: Sequence[Recording], columns: Columns) -> list[Demonstration]:

@@ -22,6 +22,9 @@ _JOINTS = (
     "fr3_joint",
     "joint",
 )
+NUMBERS = ("demonstration", "episode", "episode_index", "demo", "demo_id", "trial")
+"""Usual names of a column that numbers the demonstrations of one file."""
+
 _JOINT_STATE = re.compile(r".+/[^/]+/position")
 
 
@@ -78,6 +81,7 @@ def _name_of(recording: Recording, frame: str | PoseColumns) -> str:
 def _all(recording: Recording, columns: Columns) -> tuple[str, ...]:
     series = recording.series[0]
     used = {time_column(series)} if columns.rate is None else set()
+    used |= set(NUMBERS)
     used |= {known for name in listed(columns.time) for known in series.names_of(name)}
     for frame in columns.frames or ():
         if frame in ("start", "end"):

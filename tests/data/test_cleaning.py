@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from tpsim import Demonstration, Frame, TpsimError, rotation
 from tpsim.data import aligned, resampled, segmented, smoothed, trimmed
+from tpsim.data.motion import speed
 
 
 def uneven(rng, T=200, duration=4.0):
@@ -26,7 +27,7 @@ def in_step(d):
         np.testing.assert_allclose(frame.to_local(d.data), observation, atol=1e-9)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.integers(0, 1000), st.floats(0.05, 0.5))
 def test_smoothing_leaves_cubics_alone_at_any_stamps(seed, window):
     rng = np.random.default_rng(seed)
@@ -163,3 +164,19 @@ def test_arguments_out_of_range(call, words):
     d = seen(time, np.column_stack([time, time, time]))
     with pytest.raises(TpsimError, match=words):
         call(d)
+
+
+def test_speed_is_exact_on_lines_of_any_length_and_stamps():
+    """Also with two samples in a window of a recording of three hours."""
+    rng = np.random.default_rng(3)
+    for T, window in ((5, 0.0), (100_000, 0.0), (100_000, 1.0)):
+        time = 1e4 + np.cumsum(rng.uniform(0.05, 0.15, T))
+        d = Demonstration(time, np.outer(time, [3.0, 4.0]))
+        np.testing.assert_allclose(speed(d, window), 5, rtol=1e-6)
+
+
+def test_short_movements_are_not_cut():
+    time = np.arange(3.0)
+    assert len(segmented(Demonstration(time, time[:, None]), "changes")) == 1
+    with pytest.raises(TpsimError, match="only one sample"):
+        trimmed(Demonstration([0.0], [[1.0]]))

@@ -59,7 +59,7 @@ def speed(
     step_of(demonstration)
     time = demonstration.time - demonstration.time.mean()
     chosen = demonstration.data if columns is None else demonstration.data[:, list(columns)]
-    x = chosen - chosen.mean(0)
+    x = (chosen - chosen.mean(0)).astype(np.longdouble)
     rows = np.arange(len(time))
     low = np.minimum(np.searchsorted(time, time - window / 2), np.maximum(rows - 1, 0))
     high = np.maximum(
@@ -68,14 +68,16 @@ def speed(
     count = (high - low)[:, None]
 
     def sums(values: np.ndarray) -> np.ndarray:
-        total = np.concatenate([np.zeros((1, values.shape[1])), values.cumsum(0)])
+        # A long recording's sums are large beside those of a window.
+        total = np.zeros((len(values) + 1, values.shape[1]), np.longdouble)
+        np.cumsum(values, axis=0, out=total[1:])
         return total[high] - total[low]
 
-    t = time[:, None]
+    t = time[:, None].astype(np.longdouble)
     mean_t, mean_x = sums(t) / count, sums(x) / count
     spread = sums(t**2) - count * mean_t**2
     slope = (sums(t * x) - count * mean_t * mean_x) / spread
-    return np.linalg.norm(slope, axis=1)
+    return np.linalg.norm(slope.astype(float), axis=1)
 
 
 def is_moving(

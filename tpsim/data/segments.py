@@ -108,7 +108,7 @@ def _between_changes(
         raise ArgumentError(
             f"pieces is {pieces}; {T} samples can be cut in 1 to {max(most, 1)} straight pieces"
         )
-    cuts = _best_cuts(time, x, pieces, max(most, 1))
+    cuts = _best_cuts(time, x, pieces, most) if most > 1 else []
     return _between(demonstration, np.array(cuts, int) * every)
 
 

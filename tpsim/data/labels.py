@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from tpsim.data.columns import Columns, Names, listed
 from tpsim.data.movement import described
 from tpsim.data.recording import Recording
+from tpsim.data.signals import parts_of
 from tpsim.data.table import Table
-from tpsim.data.writers.signals import parts_of
 
 POSITION = ("x [m]", "y [m]", "z [m]")
 QUATERNION = ("qw", "qx", "qy", "qz")

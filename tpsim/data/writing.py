@@ -3,10 +3,10 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from tpsim.data.signals import Item
 from tpsim.data.writers.lerobot import write_lerobot
 from tpsim.data.writers.mcap import write_mcap
 from tpsim.data.writers.robomimic import write_robomimic
-from tpsim.data.writers.signals import Item
 from tpsim.data.writers.table import write_csv
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from tpsim.data.foreign import extra
+from tpsim.data.signals import Item, Signals, signals_of
 from tpsim.data.writers.parquet import write_episodes, write_frames, write_tasks
-from tpsim.data.writers.signals import Item, Signals, signals_of
 from tpsim.errors import ArgumentError
 
 QUANTILES = (0.01, 0.10, 0.50, 0.90, 0.99)

@@ -6,7 +6,7 @@ from tpsim import rotation
 from tpsim.data.columns import listed
 from tpsim.data.poses import poses_in
 from tpsim.data.recording import Recording, Series
-from tpsim.data.writers.signals import Signals
+from tpsim.data.signals import Signals
 
 Poses = dict[str, tuple[np.ndarray, np.ndarray]]
 """Positions (T, 3) [m] and quaternions (T, 4), w first, by name."""

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from tpsim.data.foreign import extra
-from tpsim.data.writers.signals import Item, signals_of
+from tpsim.data.signals import Item, signals_of
 from tpsim.whole import whole_path
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tpsim.data.writers.signals import Item, parts_of, signals_of
+from tpsim.data.signals import Item, parts_of, signals_of
 from tpsim.whole import whole_file
 
 

@@ -1,0 +1,1 @@
+"""One module for every kind of file: each has ``recordings(path) -> list[Recording]``."""

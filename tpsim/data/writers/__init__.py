@@ -1,0 +1,1 @@
+"""One module for every kind of file that demonstrations and trials are written to."""

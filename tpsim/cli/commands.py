@@ -21,6 +21,7 @@ from tpsim.cli.options import (
     not_negative,
     positive,
 )
+from tpsim.cli.recordings import Data
 from tpsim.errors import ArgumentError
 from tpsim.versions import cores
 
@@ -288,5 +289,8 @@ def _say(name: str) -> None:
 
 COMMANDS: Mapping[str, type[Command | StudyCommand]] = {
     command.__name__.lower(): command
-    for command in (Run, Teach, Learn, Reproduce, Push, Replay, Compare, Bench, Demo, Doctor)
+    for command in (
+        *(Run, Teach, Learn, Reproduce, Push, Replay, Data),
+        *(Compare, Bench, Demo, Doctor),
+    )
 }

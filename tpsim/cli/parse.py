@@ -7,6 +7,7 @@ import re
 import shlex
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import tyro
@@ -14,6 +15,7 @@ import tyro
 from tpsim.cli.commands import COMMANDS
 from tpsim.cli.fields import varied, with_fields
 from tpsim.cli.options import Answer, Command, Options, StudyCommand, known, nearest
+from tpsim.cli.recordings import LearnFile
 from tpsim.errors import ArgumentError
 from tpsim.tasks import STUDIES
 
@@ -68,11 +70,20 @@ def parse(arguments: Sequence[str]) -> Call:
         _describe()
     known("command", name, COMMANDS)
     line, command = shlex.join(["tpsim", *arguments]), COMMANDS[name]
+    if name == "learn" and _names_a_recording(rest):
+        command = LearnFile
     if issubclass(command, StudyCommand):
         return _about_a_study(name, command, rest, line)
     options = _read(command, name, rest)
     options.check()
     return Call(options, line)
+
+
+def _names_a_recording(words: Sequence[str]) -> bool:
+    """Whether the first word is a file or folder of recordings, and no study."""
+    if not words or words[0].startswith("-") or words[0] in STUDIES:
+        return False
+    return Path(words[0]).suffix not in ("", ".py") or Path(words[0]).exists()
 
 
 def _about_a_study(name: str, command: type[StudyCommand], rest: list[str], line: str) -> Call:

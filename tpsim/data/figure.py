@@ -9,8 +9,8 @@ from matplotlib.figure import Figure, FigureBase
 
 from tpsim.data.labels import POSITION
 from tpsim.demonstration import Demonstration
-from tpsim.study.canvas import INK, PALETTE, to_png
 from tpsim.gaussian import Gaussian
+from tpsim.study.canvas import INK, PALETTE, to_png
 
 MOST = 8
 """Columns that are drawn over time."""

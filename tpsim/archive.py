@@ -1,48 +1,100 @@
-"""Archives of arrays (.npz): written whole or not at all, read without pickles."""
+"""Archives (.npz) of values and models: written whole or not at all, read without pickles.
+
+A value is stored as the arrays of its fields under dotted names, with the name of its class and
+the version of this layout. :func:`load` reads any of them back as the class that it was.
+"""
 
 import zipfile
 import zlib
 from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
 from pathlib import Path
+from typing import ClassVar, Self
 
 import numpy as np
 
-from tpsim.errors import RecordingError
+from tpsim.errors import ArgumentError, RecordingError
 from tpsim.whole import whole_file
 
+SCHEMA = 1
 
-def save_arrays(path: str | Path, kind: str, arrays: Mapping[str, np.ndarray]) -> Path:
-    """Write named arrays to ``path``, under a temporary name until the file is complete.
-
-    Parameters
-    ----------
-    path : file name
-        Its folder is made where it is missing.
-    kind : str
-        What the archive holds; :func:`load_arrays` refuses another kind.
-    arrays : mapping of names to arrays
-        Numbers or text, no objects.
-    """
-    path = Path(path)
-    with whole_file(path) as file:
-        np.savez(file, allow_pickle=False, kind=np.array(kind), **arrays)
-    return path
+Arrays = dict[str, np.ndarray]
 
 
-def load_arrays(path: str | Path, kind: str) -> dict[str, np.ndarray]:
-    """Read the arrays of an archive.
+class Part:
+    """Base of frozen dataclasses that an archive can hold, alone or inside of others."""
+
+    kinds: ClassVar[dict[str, type["Part"]]] = {}
+
+    def __init_subclass__(cls, **options: object) -> None:
+        """Make the class known to archives by its name."""
+        super().__init_subclass__(**options)
+        Part.kinds[cls.__name__] = cls
+
+
+class Stored(Part):
+    """Base of the values and models that have ``save`` and ``load``."""
+
+    def save(self, path: str | Path) -> Path:
+        """Write to an .npz archive, whole or not at all, without pickles."""
+        return save_arrays(path, _packed("", self))
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read what :meth:`save` wrote; RecordingError where the file is something else."""
+        found = load(path)
+        if not isinstance(found, cls):
+            raise RecordingError(
+                f"{path} is a {type(found).__name__}; a {cls.__name__} was asked for "
+                "(tpsim.load reads either)"
+            )
+        return found
+
+
+def load(path: str | Path) -> Stored:
+    """Read any value or model that its ``save`` wrote, as the class that it was.
 
     Raises
     ------
     RecordingError
-        The file is missing, truncated, holds pickles, or is of another kind.
+        The file is missing, truncated, of another kind, or of a newer version of tpsim.
     """
+    arrays = load_arrays(path)
+    schema = arrays.get("schema")
+    if schema is None or schema.ndim or schema.dtype.kind not in "iu" or "kind" not in arrays:
+        raise RecordingError(f"{path} holds no value or model of tpsim; use a file of save()")
+    if int(schema) > SCHEMA:
+        raise RecordingError(
+            f"{path} has schema {int(schema)}, this version reads up to {SCHEMA}; update tpsim"
+        )
+    try:
+        found = _unpacked("", arrays)
+    except (ArgumentError, KeyError, TypeError, ValueError, AttributeError) as error:
+        raise RecordingError(f"{path} is damaged ({error})") from error
+    if not isinstance(found, Stored):
+        raise RecordingError(f"{path} holds a {type(found).__name__}, which does not stand alone")
+    return found
+
+
+def save_arrays(path: str | Path, arrays: Mapping[str, np.ndarray]) -> Path:
+    """Write named arrays to ``path``, under a temporary name until the file is complete.
+
+    Its folder is made where it is missing.
+    """
+    path = Path(path)
+    with whole_file(path) as file:
+        np.savez(file, allow_pickle=False, schema=np.array(SCHEMA), **dict(arrays))
+    return path
+
+
+def load_arrays(path: str | Path) -> Arrays:
+    """Read the arrays of an archive; RecordingError where it is missing or damaged."""
     path = Path(path)
     if not path.is_file():
         raise RecordingError(f"there is no file {path}; give the name that save() was given")
     try:
         with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
+            return {name: archive[name] for name in archive.files}
     except (
         OSError,
         ValueError,
@@ -50,11 +102,53 @@ def load_arrays(path: str | Path, kind: str) -> dict[str, np.ndarray]:
         KeyError,
         TypeError,
         AttributeError,
+        NotImplementedError,
+        RuntimeError,
         zlib.error,
         zipfile.BadZipFile,
     ) as error:
         raise RecordingError(f"{path} is truncated or no archive of arrays ({error})") from error
-    found = str(arrays.pop("kind", "of unknown kind"))
-    if found != kind:
-        raise RecordingError(f"{path} is {found}; a {kind} was asked for")
-    return arrays
+
+
+def _packed(prefix: str, value: object) -> Arrays:
+    """Arrays of a value whose fields are named ``prefix`` + field."""
+    if isinstance(value, Part) and is_dataclass(value):
+        packed = {f"{prefix}kind": np.array(type(value).__name__)}
+        for field in fields(value):
+            packed |= _field(f"{prefix}{field.name}", getattr(value, field.name))
+        return packed
+    if isinstance(value, tuple | list):
+        packed = {f"{prefix}kind": np.array("tuple"), f"{prefix}length": np.array(len(value))}
+        for i, entry in enumerate(value):
+            packed |= _field(f"{prefix}{i}", entry)
+        return packed
+    raise ArgumentError(f"{prefix.rstrip('.')} is a {type(value).__name__}, which is not stored")
+
+
+def _field(name: str, value: object) -> Arrays:
+    if value is None:
+        return {f"{name}.kind": np.array("None")}
+    if isinstance(value, np.ndarray | np.generic | str | int | float):
+        return {name: np.asarray(value)}
+    return _packed(f"{name}.", value)
+
+
+def _unpacked(prefix: str, arrays: Arrays) -> object:
+    kind = str(arrays[f"{prefix}kind"])
+    if kind == "None":
+        return None
+    if kind == "tuple":
+        length = int(arrays[f"{prefix}length"])
+        return tuple(_read(f"{prefix}{i}", arrays) for i in range(length))
+    if kind not in Part.kinds:
+        raise KeyError(f"kind {kind!r} is not known")
+    cls = Part.kinds[kind]
+    assert is_dataclass(cls)
+    return cls(**{field.name: _read(f"{prefix}{field.name}", arrays) for field in fields(cls)})
+
+
+def _read(name: str, arrays: Arrays) -> object:
+    if name not in arrays:
+        return _unpacked(f"{name}.", arrays)
+    array = arrays[name]
+    return array.item() if array.ndim == 0 else array

@@ -11,14 +11,30 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.archive import Stored
+from tpsim.checks import (
+    Seed,
+    dimensions,
+    finite_array,
+    frozen,
+    frozen_array,
+    generator,
+    instance,
+    number,
+    several,
+    whole,
+)
 from tpsim.errors import ArgumentError
 
 LOG_2PI = float(np.log(2 * np.pi))
 WORST_CONDITION = 1e13  # beyond it a double holds less than three digits of the inverse
+ROUNDING = 1e-8  # of unit variances: a negative eigenvalue up to this is taken for zero
+
+Dimensions = int | Sequence[int] | np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
-class Gaussian:
+@dataclass(frozen=True, eq=False, init=False)
+class Gaussian(Stored):
     """Normal distributions N(mean, covariance), one for every index of the leading axes.
 
     Parameters
@@ -27,19 +43,20 @@ class Gaussian:
     covariance : (..., D, D), symmetric and positive semi-definite
         Leading axes broadcast against those of ``mean``.
 
+    Both are copied, and read-only from then on.
+
     Raises
     ------
     ArgumentError
-        Wrong shapes, NaN or infinite entries, asymmetry, or negative variances. A singular
-        covariance is accepted here and refused where it must be inverted.
+        Wrong shapes, NaN or infinite entries, asymmetry, negative variances or eigenvalues. A
+        singular covariance is accepted here and refused where it must be inverted.
     """
 
     mean: np.ndarray
     covariance: np.ndarray
 
-    def __post_init__(self):
-        mean = finite_array("mean", self.mean)
-        covariance = finite_array("covariance", self.covariance)
+    def __init__(self, mean: ArrayLike, covariance: ArrayLike):
+        mean, covariance = frozen_array("mean", mean), frozen_array("covariance", covariance)
         D = mean.shape[-1] if mean.ndim else 0
         if D == 0 or covariance.shape[-2:] != (D, D):
             raise ArgumentError(
@@ -54,16 +71,18 @@ class Gaussian:
                 "make them equal or of length one"
             ) from error
         object.__setattr__(self, "mean", np.broadcast_to(mean, (*leading, D)))
-        object.__setattr__(
-            self, "covariance", np.broadcast_to(_checked_symmetric(covariance), (*leading, D, D))
-        )
+        covariance = _checked_covariance(covariance)
+        object.__setattr__(self, "covariance", np.broadcast_to(covariance, (*leading, D, D)))
 
     @classmethod
     def trusted(cls, mean: np.ndarray, covariance: np.ndarray) -> "Gaussian":
-        """Build without checks, for results of our own that are valid by construction."""
+        """Build without checks and copies, from arrays that are valid by construction.
+
+        The trusted path of control loops: the arrays become read-only, the caller gives them away.
+        """
         gaussian = object.__new__(cls)
-        gaussian.__dict__["mean"] = mean
-        gaussian.__dict__["covariance"] = covariance
+        gaussian.__dict__["mean"] = frozen(mean)
+        gaussian.__dict__["covariance"] = frozen(covariance)
         return gaussian
 
     @property
@@ -71,7 +90,7 @@ class Gaussian:
         """Dimension D of the space."""
         return self.mean.shape[-1]
 
-    def __getitem__(self, index) -> "Gaussian":
+    def __getitem__(self, index: object) -> "Gaussian":
         """Select along the leading axes."""
         index = index if isinstance(index, tuple) else (index,)
         return Gaussian.trusted(
@@ -82,7 +101,7 @@ class Gaussian:
     @cached_property
     def precision(self) -> np.ndarray:
         """Inverse of the covariance, (..., D, D); ArgumentError where it is singular."""
-        return inverse_spd(self.covariance, "covariance")
+        return frozen(inverse_spd(self.covariance, "covariance"))
 
     @cached_property
     def _whitening(self) -> tuple[np.ndarray, np.ndarray]:
@@ -113,19 +132,22 @@ class Gaussian:
             Offset.
         """
         A, b = finite_array("A", A), finite_array("b", b)
-        if A.ndim < 2 or A.shape[-1] != self.dim:
-            raise ArgumentError(f"A has shape {A.shape}; it must be (..., E, {self.dim})")
+        if A.ndim < 2 or A.shape[-1] != self.dim or (b.ndim and b.shape[-1] != A.shape[-2]):
+            raise ArgumentError(
+                f"A has shape {A.shape} and b {b.shape}; they must be (..., E, {self.dim}) and "
+                "(..., E)"
+            )
         mean = (A @ self.mean[..., None])[..., 0] + b
         covariance = symmetric(A @ self.covariance @ np.swapaxes(A, -1, -2))
-        return Gaussian(mean, covariance)
+        return Gaussian.trusted(mean, np.broadcast_to(covariance, (*mean.shape, mean.shape[-1])))
 
-    def marginal(self, dims: Sequence[int]) -> "Gaussian":
+    def marginal(self, dims: Dimensions) -> "Gaussian":
         """Distribution of the dimensions ``dims`` alone."""
-        dims = self._dimensions("dims", dims)
+        dims = dimensions("dims", dims, self.dim)
         return Gaussian.trusted(self.mean[..., dims], self.covariance[..., dims[:, None], dims])
 
     def condition(
-        self, value: ArrayLike, given: Sequence[int], of: Sequence[int] | None = None
+        self, value: ArrayLike, given: Dimensions, of: Dimensions | None = None
     ) -> "Gaussian":
         """Distribution of the dimensions ``of`` when ``given`` have ``value``, Eqs (14-15).
 
@@ -133,52 +155,46 @@ class Gaussian:
         ----------
         value : (..., I)
             Leading axes broadcast against those of the Gaussian.
-        given : sequence of I integers
+        given : one or I integers
             Dimensions of the input.
-        of : sequence of O integers, optional
+        of : one or O integers, optional
             Dimensions of the output, default all the others in their order.
         """
-        given = self._dimensions("given", given)
-        of = np.setdiff1d(np.arange(self.dim), given) if of is None else of
-        of = self._dimensions("of", of)
-        if np.intersect1d(given, of).size:
-            raise ArgumentError(f"given {given} and of {of} overlap; keep them disjoint")
+        inputs = dimensions("given", given, self.dim)
+        others = np.setdiff1d(np.arange(self.dim), inputs)
+        outputs = dimensions("of", others if of is None else of, self.dim)
+        if np.intersect1d(inputs, outputs).size:
+            raise ArgumentError(f"given {inputs} and of {outputs} overlap; keep them disjoint")
         value = finite_array("value", value)
-        if value.shape[-1:] != given.shape:
+        if value.shape[-1:] != inputs.shape:
             raise ArgumentError(
-                f"value has shape {value.shape}; its last axis must be {given.size}, "
+                f"value has shape {value.shape}; its last axis must be {inputs.size}, "
                 "one number for each dimension in given"
             )
-        gain = self._regression(given, of)
-        residual = value - self.mean[..., given]
-        mean = self.mean[..., of] + (gain @ residual[..., None])[..., 0]
-        joint = self.covariance[..., of[:, None], of]
-        explained = gain @ self.covariance[..., given[:, None], of]
+        gain = self._regression(inputs, outputs)
+        residual = value - self.mean[..., inputs]
+        mean = self.mean[..., outputs] + (gain @ residual[..., None])[..., 0]
+        joint = self.covariance[..., outputs[:, None], outputs]
+        explained = gain @ self.covariance[..., inputs[:, None], outputs]
         covariance = symmetric(joint - explained)
-        return Gaussian.trusted(mean, np.broadcast_to(covariance, (*mean.shape, of.size)))
+        return Gaussian.trusted(mean, np.broadcast_to(covariance, (*mean.shape, outputs.size)))
 
     def _regression(self, given: np.ndarray, of: np.ndarray) -> np.ndarray:
         """Gain Sigma_OI Sigma_II^-1, (..., O, I)."""
         cross = self.covariance[..., of[:, None], given]
         return cross @ inverse_spd(self.covariance[..., given[:, None], given], "input covariance")
 
-    def sample(self, rng: np.random.Generator, size: int | tuple[int, ...] = ()) -> np.ndarray:
-        """Draw samples, shape ``size`` + (..., D), also where the covariance is singular."""
-        size = (size,) if np.ndim(size) == 0 else tuple(size)
+    def sample(self, rng: Seed, size: int | tuple[int, ...] = ()) -> np.ndarray:
+        """Draw samples, shape ``size`` + (..., D), also where the covariance is singular.
+
+        ``rng`` is a numpy Generator or a seed.
+        """
+        sizes = size if isinstance(size, tuple) else (size,)
+        sizes = tuple(whole("size", one) for one in sizes)
         eigenvalues, V = np.linalg.eigh(self.covariance)
         root = V * np.sqrt(np.maximum(eigenvalues, 0))[..., None, :]
-        z = rng.standard_normal((*size, *self.mean.shape))
+        z = generator("rng", rng).standard_normal((*sizes, *self.mean.shape))
         return self.mean + (root @ z[..., None])[..., 0]
-
-    def _dimensions(self, name: str, dims: Sequence[int]) -> np.ndarray:
-        dims = np.atleast_1d(np.asarray(dims))
-        if dims.dtype == bool or not np.issubdtype(dims.dtype, np.integer) or dims.ndim != 1:
-            raise ArgumentError(f"{name} is {dims!r}; it must be a sequence of integers")
-        if dims.size == 0 or dims.min() < -self.dim or dims.max() >= self.dim:
-            raise ArgumentError(
-                f"{name} is {dims.tolist()}; the dimensions are 0 to {self.dim - 1}, at least one"
-            )
-        return dims % self.dim
 
 
 def gaussian_product(gaussians: Sequence[Gaussian]) -> Gaussian:
@@ -194,17 +210,23 @@ def gaussian_product(gaussians: Sequence[Gaussian]) -> Gaussian:
     ArgumentError
         No factor, different dimensions, or a covariance that cannot be inverted.
     """
-    gaussians = list(gaussians)
-    if not gaussians:
+    factors = several("gaussians", gaussians, Gaussian)
+    if not factors:
         raise ArgumentError("a product needs at least one Gaussian; none was given")
-    if len({g.dim for g in gaussians}) > 1:
+    if len({g.dim for g in factors}) > 1:
         raise ArgumentError(
-            f"the factors have dimensions {[g.dim for g in gaussians]}; they must be equal"
+            f"the factors have dimensions {[g.dim for g in factors]}; they must be equal"
         )
-    precision = sum(g.precision for g in gaussians)
-    information = sum((g.precision @ g.mean[..., None]) for g in gaussians)
+    origin = factors[0].mean  # far from zero, differences keep the digits that sums would lose
+    precision, information = np.zeros(1), np.zeros(1)
+    try:
+        for g in factors:
+            precision = precision + g.precision
+            information = information + g.precision @ (g.mean - origin)[..., None]
+    except ValueError as error:
+        raise ArgumentError(f"leading axes of the factors do not match ({error})") from error
     covariance = inverse_spd(precision, "sum of precisions")
-    return Gaussian.trusted((covariance @ information)[..., 0], covariance)
+    return Gaussian.trusted(origin + (covariance @ information)[..., 0], covariance)
 
 
 def match_moments(weights: ArrayLike, gaussian: Gaussian) -> Gaussian:
@@ -217,7 +239,14 @@ def match_moments(weights: ArrayLike, gaussian: Gaussian) -> Gaussian:
     gaussian : Gaussian (..., K, D)
         The components.
     """
-    h = np.asarray(weights, float)
+    h = finite_array("weights", weights)
+    if (h < 0).any() or (np.abs(h.sum(-1) - 1) > 1e-6).any():
+        raise ArgumentError("weights must not be negative, and sum to one over the last axis")
+    return mixed_moments(h, instance("gaussian", gaussian, Gaussian))
+
+
+def mixed_moments(h: np.ndarray, gaussian: Gaussian) -> Gaussian:
+    """Work of :func:`match_moments` for weights that are known to be a distribution."""
     mean = np.einsum("...k,...kd->...d", h, gaussian.mean)
     deviation = gaussian.mean - mean[..., None, :]
     within = np.einsum("...k,...kij->...ij", h, gaussian.covariance)
@@ -225,16 +254,17 @@ def match_moments(weights: ArrayLike, gaussian: Gaussian) -> Gaussian:
     return Gaussian.trusted(mean, symmetric(within + between))
 
 
-def floor_eigenvalues(covariance: ArrayLike, minimum: float) -> np.ndarray:
-    """Raise the eigenvalues of covariances (..., D, D) to at least ``minimum``, Eq. (7)."""
-    eigenvalues, V = np.linalg.eigh(np.asarray(covariance, float))
-    return symmetric((V * np.maximum(eigenvalues, minimum)[..., None, :]) @ np.swapaxes(V, -1, -2))
+def floor_eigenvalues(covariance: ArrayLike, minimum: ArrayLike) -> np.ndarray:
+    """Raise eigenvalues of covariances (..., D, D) to at least ``minimum`` (...), Eq. (7)."""
+    eigenvalues, V = np.linalg.eigh(_square("covariance", covariance))
+    least = finite_array("minimum", minimum)[..., None]
+    return symmetric((V * np.maximum(eigenvalues, least)[..., None, :]) @ np.swapaxes(V, -1, -2))
 
 
 def add_ridge(covariance: ArrayLike, rho: float) -> np.ndarray:
     """Add an isotropic covariance rho I to covariances (..., D, D), Eq. (8)."""
-    covariance = np.asarray(covariance, float)
-    return covariance + rho * np.eye(covariance.shape[-1])
+    covariance = _square("covariance", covariance)
+    return covariance + number("rho", rho, least=0) * np.eye(covariance.shape[-1])
 
 
 def symmetric(matrix: np.ndarray) -> np.ndarray:
@@ -271,24 +301,52 @@ def inverse_spd(matrix: np.ndarray, name: str) -> np.ndarray:
     return symmetric(inverse) * scale
 
 
-def finite_array(name: str, value: ArrayLike) -> np.ndarray:
-    """Array of finite floats, or an ArgumentError that names it."""
-    try:
-        array = np.asarray(value, float)
-    except (TypeError, ValueError) as error:
-        raise ArgumentError(f"{name} must be an array of numbers; {error}") from error
-    if not np.isfinite(array).all():
-        raise ArgumentError(f"{name} holds NaN or infinite entries; remove or fill them first")
-    return array
+def unit_variances(matrix: np.ndarray) -> np.ndarray:
+    """Scale variables (..., D, D) to unit variance, so that eigenvalues do not depend on units.
+
+    Where a variance is zero, the largest one is the scale.
+    """
+    variances = matrix.diagonal(0, -2, -1)
+    largest = variances.max(-1, keepdims=True)
+    size = np.where(variances > 0, variances, np.where(largest > 0, largest, 1.0))
+    scale = 1 / np.sqrt(size)
+    return matrix * scale[..., :, None] * scale[..., None, :]
 
 
-def _checked_symmetric(covariance: np.ndarray) -> np.ndarray:
-    if (np.diagonal(covariance, axis1=-2, axis2=-1) < 0).any():
+def _square(name: str, matrix: ArrayLike) -> np.ndarray:
+    matrix = finite_array(name, matrix)
+    if matrix.ndim < 2 or matrix.shape[-1] != matrix.shape[-2] or matrix.shape[-1] == 0:
+        raise ArgumentError(f"{name} has shape {matrix.shape}; it must be (..., D, D), D >= 1")
+    return matrix
+
+
+def _checked_covariance(covariance: np.ndarray) -> np.ndarray:
+    variances = np.diagonal(covariance, axis1=-2, axis2=-1)
+    if (variances < 0).any():
         raise ArgumentError("covariance has negative variances on its diagonal")
     asymmetry = np.abs(covariance - covariance.mT).max(initial=0.0)
     if asymmetry > 1e-8 * np.abs(covariance).max(initial=0.0):
         raise ArgumentError("covariance is not symmetric; pass 0.5 * (S + S.T) if that is meant")
-    return symmetric(covariance) if asymmetry else covariance
+    if asymmetry:
+        covariance = frozen(symmetric(covariance))
+    try:
+        np.linalg.cholesky(covariance)
+    except np.linalg.LinAlgError:
+        _check_eigenvalues(covariance)
+    return covariance
+
+
+def _check_eigenvalues(covariance: np.ndarray) -> None:
+    """Raise an ArgumentError where an eigenvalue is below zero by more than rounding."""
+    least = np.linalg.eigvalsh(unit_variances(covariance))[..., 0]
+    if (least < -ROUNDING).any():
+        index = tuple(int(i) for i in np.argwhere(least < -ROUNDING)[0])
+        where = f" at index {index}" if index else ""
+        raise ArgumentError(
+            f"covariance{where} is indefinite: scaled to unit variances, its least eigenvalue is "
+            f"{least.min():.3g}. No data have such a covariance; if it is rounding, raise the "
+            "eigenvalues with floor_eigenvalues"
+        )
 
 
 def _singular(name: str) -> str:

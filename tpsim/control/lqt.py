@@ -6,11 +6,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg.lapack import dposv
 
+from tpsim.checks import instance, whole
 from tpsim.control.feedback import Feedback, Plan, checked_state
 from tpsim.control.optimality import solve_optimality
 from tpsim.control.system import LinearSystem
 from tpsim.control.tracking import TrackingProblem, tracking_problem
 from tpsim.errors import ArgumentError
+from tpsim.gaussian import unit_variances
 
 
 def lqt(
@@ -127,11 +129,13 @@ def receding_horizon(
         As in :func:`lqt`.
 
     """
-    n, m = system.B.shape
+    n, m = instance("system", system, LinearSystem, "integrator(dim, dt)").B.shape
+    steps = whole("steps", steps)
     states, controls = np.empty((steps + 1, n)), np.empty((steps, m))
     states[0] = checked_state(initial, n)
     for t in range(steps):
-        controls[t] = lqt(*reference(t, states[t]), system, effort).control(0, states[t])
+        means, precisions = reference(t, states[t])
+        controls[t] = lqt(means, precisions, system, effort).control(0, states[t])
         states[t + 1] = system.step(states[t], controls[t])
     return Plan(states, controls)
 
@@ -177,7 +181,7 @@ def _feedback(problem, policy, curvature):
 
 
 def _check_start(P):
-    values = np.linalg.eigvalsh(P)
+    values = np.linalg.eigvalsh(unit_variances(P))
     if values[0] <= 1e-14 * values[-1]:
         raise ArgumentError(
             "the free first state is undetermined by the precisions; give an initial state"

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.checks import finite_array, instance
 from tpsim.control.system import LinearSystem
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import finite_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ def tracking_problem(
     means: ArrayLike, precisions: ArrayLike, system: LinearSystem, effort: ArrayLike
 ) -> TrackingProblem:
     """Check the arguments of :func:`lqt`; several coordinate systems become one (Eq. 38)."""
-    if system.dt is None:
+    if instance("system", system, LinearSystem, "integrator(dim, dt)").dt is None:
         raise ArgumentError("the system is continuous (dt = None); give integrator(dim, dt)")
     means, precisions = finite_array("means", means), finite_array("precisions", precisions)
     n, m = system.B.shape

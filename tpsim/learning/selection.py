@@ -6,15 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.checks import choice, matrix, number
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import finite_array
 from tpsim.learning.em import maximise, regularisation
+from tpsim.learning.fit import seen_as_data, seen_by_frames
 from tpsim.learning.gmm import GMM
 from tpsim.learning.start import kmeans, standardised
 from tpsim.learning.statistics import Samples
 from tpsim.learning.subspace import Full, Structure
-from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm, views_of
+from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 
 
 def bic(model, *data) -> float:
@@ -132,8 +133,7 @@ def select_model(
     densely it appears to hold twice as much information, and K comes out larger. Compare at the
     sampling rate at which the model will be used.
     """
-    if criterion not in _CRITERIA:
-        raise ArgumentError(f"criterion is {criterion!r}; give 'bic' or 'aic'")
+    choice("criterion", criterion, _CRITERIA)
     components, covariances = list(components), list(covariances)
     if not components or not covariances:
         raise ArgumentError("nothing to try; give at least one K and one covariance structure")
@@ -172,12 +172,8 @@ def dp_means(points: ArrayLike, radius: float = 1.0) -> np.ndarray:
     ArgumentError
         Points that are not a finite (N, D) array, or a radius that is not positive.
     """
-    points = finite_array("points", points)
-    if points.ndim != 2 or 0 in points.shape:
-        raise ArgumentError(f"points have shape {points.shape}; give (N, D), N and D >= 1")
-    if not radius > 0:
-        raise ArgumentError(f"radius is {radius}; give a positive number of standard deviations")
-    points = standardised([points])
+    radius = number("radius", radius, above=0)
+    points = standardised([matrix("points", points)])
     centres = points.mean(0, keepdims=True)
     while True:
         labels, centres = kmeans(points, centres)
@@ -210,11 +206,11 @@ def dp_means_start(
         As in ``start = dp_means_start(demos); fit_tp_gmm(demos, start.components, start=start)``.
     """
     plain = isinstance(data, np.ndarray) and data.ndim == 2
-    views = [finite_array("data", data)] if plain else views_of(data)[0]
+    views = (seen_as_data(data) if plain else seen_by_frames(data)).views
     labels = dp_means(np.hstack(views), radius)
     samples = Samples(views)
     one_hot = (labels[:, None] == np.arange(labels.max() + 1)).astype(float)
-    limits = regularisation(samples, ridge)
-    mixture = maximise(samples.moments(one_hot), None, Full(), limits)
+    parts = samples.moments(one_hot)
+    mixture = maximise(parts, None, Full(), regularisation(samples, ridge, parts))
     frames = mixture.frames(samples)
     return GMM(mixture.priors, frames[0]) if plain else TPGMM(mixture.priors, frames)

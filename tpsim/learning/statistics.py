@@ -15,11 +15,11 @@ import numpy as np
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import LOG_2PI, cholesky
 from tpsim.learning.moments import CAPACITY, Memory, Moments
+from tpsim.learning.product import LARGEST
 from tpsim.learning.start import RESOLUTION
 
 CACHE_BYTES = 2**28  # features are kept up to this size, else made anew in every pass
 BLOCK_BYTES = 2**20  # one block of samples at a time: what stays in the processor's cache
-LARGEST = 1e100  # number whose powers and products stay finite
 SEGMENT = 2  # successive samples that a model remembers as one
 FAINTEST = -200.0  # log of the least responsibility: smaller ones make slow subnormal numbers
 
@@ -70,6 +70,12 @@ class Samples:
         self._memory = memory
         self._triangles = tuple(np.triu_indices(d) for d in self.dims)
         stacks = [np.stack([views[j].T for j in group]) for group in self.groups]
+        extent = max(float(np.ptp(stack, axis=-1).max()) for stack in stacks)
+        if 0 < extent < 1 / LARGEST:
+            raise ArgumentError(
+                f"samples differ by {extent:.1e} at most; change units to stay above "
+                f"{1 / LARGEST:.0e}"
+            )
         self._stacks, self._centres, self._scales = zip(*map(_measured, stacks), strict=True)
         self._size = 1 + sum(
             len(group) * (d + d * (d + 1) // 2)

@@ -17,6 +17,7 @@ Value = TypeVar("Value")
 Floats = NDArray[np.float64]
 Seed = int | np.random.Generator | None
 
+FLOAT = np.dtype(np.float64)
 FASTEST = 1e-100  # [s]: rates of change over shorter steps leave the range of floating point
 
 
@@ -28,9 +29,7 @@ def finite_array(name: str, value: object) -> Floats:
     ArgumentError
         Text, complex numbers, dates, masked or missing entries, ragged lists, NaN, infinity.
     """
-    array = value if type(value) is np.ndarray and value.dtype == np.float64 else None
-    if array is None:
-        array = _floats(name, value)
+    array = value if type(value) is np.ndarray and value.dtype is FLOAT else _floats(name, value)
     if not np.isfinite(array).all():
         raise ArgumentError(
             f"{name} is not finite: NaN or infinite entries, the first "
@@ -41,7 +40,10 @@ def finite_array(name: str, value: object) -> Floats:
 
 def frozen_array(name: str, value: object) -> Floats:
     """Read-only copy, which nobody else can change, of an array of finite floats."""
-    return frozen(np.array(finite_array(name, value)))
+    array = finite_array(name, value)
+    array = array.copy() if array is value or array.base is not None else array
+    array.setflags(write=False)
+    return array
 
 
 def frozen(array: np.ndarray) -> np.ndarray:
@@ -136,13 +138,12 @@ def number(
     what: str = "number",
 ) -> float:
     """Finite number, where asked for at least, above, or below a limit; ``what`` says of what."""
-    scalar = (
-        value.item() if isinstance(value, np.ndarray | np.generic) and value.size == 1 else value
-    )
-    fits = isinstance(scalar, int | float) and not isinstance(scalar, bool)
-    if fits and abs(scalar) < np.inf:
-        fits = (least is None or scalar >= least) and (above is None or scalar > above)
-        if fits and (below is None or scalar < below):
+    scalar = value
+    if isinstance(value, np.ndarray | np.generic) and value.size == 1:
+        scalar = value.item()
+    if isinstance(scalar, int | float) and not isinstance(scalar, bool) and abs(scalar) < np.inf:
+        high_enough = (least is None or scalar >= least) and (above is None or scalar > above)
+        if high_enough and (below is None or scalar < below):
             return float(scalar)
     limits = [
         f"above {above:g}" if above else "",
@@ -255,6 +256,8 @@ def array_of(name: str, value: object) -> NDArray[Any]:
 
 def _floats(name: str, value: object) -> Floats:
     """Conversion to floats that loses nothing in silence."""
+    if type(value) is float:
+        return np.array(value)
     parts: Sequence[object] = value if isinstance(value, list | tuple) else (value,)
     for part in parts:
         if isinstance(part, np.ma.MaskedArray) and np.ma.getmaskarray(part).any():

@@ -128,14 +128,19 @@ class Frame(Stored):
 
 def pseudoinverse(A: np.ndarray) -> np.ndarray:
     """Pseudo-inverse of (..., D, d), the plain inverse where A is square and well conditioned."""
-    if A.shape[-1] == A.shape[-2]:
-        try:
-            inverse = np.linalg.inv(A)
-        except np.linalg.LinAlgError:
-            inverse = None
-        if inverse is not None and _well_conditioned(A, inverse):
-            return inverse
-    return np.linalg.pinv(A, rcond=1 / WORST_CONDITION)
+    inverse = plain_inverse(A)
+    return np.linalg.pinv(A, rcond=1 / WORST_CONDITION) if inverse is None else inverse
+
+
+def plain_inverse(A: np.ndarray) -> np.ndarray | None:
+    """Inverse of (..., D, d) where all of A is square and well conditioned, else None."""
+    if A.shape[-1] != A.shape[-2]:
+        return None
+    try:
+        inverse = np.linalg.inv(A)
+    except np.linalg.LinAlgError:
+        return None
+    return inverse if _well_conditioned(A, inverse) else None
 
 
 def _well_conditioned(A: np.ndarray, inverse: np.ndarray) -> bool:

@@ -81,8 +81,10 @@ class Gaussian(Stored):
         The trusted path of control loops: the arrays become read-only, the caller gives them away.
         """
         gaussian = object.__new__(cls)
-        gaussian.__dict__["mean"] = frozen(mean)
-        gaussian.__dict__["covariance"] = frozen(covariance)
+        mean.setflags(write=False)
+        covariance.setflags(write=False)
+        fields = gaussian.__dict__
+        fields["mean"], fields["covariance"] = mean, covariance
         return gaussian
 
     @property

@@ -4,17 +4,29 @@ Rotation vectors are world-aligned: ``log(R)`` is the axis of R times its angle,
 Leading axes broadcast.
 """
 
+from __future__ import annotations
+
 import re
 import warnings
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from tpsim.checks import finite_array, place
 from tpsim.errors import ArgumentError, DataWarning
 
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
 WIDE_TURN = np.pi / 3  # [rad] between neighbouring samples: faster than any recorder should be
+
+
+def _scipy() -> type[Rotation]:
+    """Class of scipy, imported where it is needed: it takes its time."""
+    from scipy.spatial.transform import Rotation
+
+    return Rotation
 
 
 def skew(v: ArrayLike) -> np.ndarray:
@@ -28,19 +40,19 @@ def skew(v: ArrayLike) -> np.ndarray:
 def exp(w: ArrayLike) -> np.ndarray:
     """Rotation matrices (..., 3, 3) of rotation vectors (..., 3) [rad]."""
     w = _shaped("rotation vectors", w, (3,))
-    return Rotation.from_rotvec(w.reshape(-1, 3)).as_matrix().reshape(*w.shape[:-1], 3, 3)
+    return _scipy().from_rotvec(w.reshape(-1, 3)).as_matrix().reshape(*w.shape[:-1], 3, 3)
 
 
 def log(R: ArrayLike) -> np.ndarray:
     """Rotation vectors (..., 3) [rad] of rotation matrices (..., 3, 3); angle in [0, pi]."""
     R = _shaped("rotations", R, (3, 3))
-    return Rotation.from_matrix(R.reshape(-1, 3, 3)).as_rotvec().reshape(*R.shape[:-2], 3)
+    return _scipy().from_matrix(R.reshape(-1, 3, 3)).as_rotvec().reshape(*R.shape[:-2], 3)
 
 
 def to_quaternion(R: ArrayLike) -> np.ndarray:
     """Unit quaternions (..., 4), w first, of rotation matrices (..., 3, 3)."""
     R = _matrices(R)
-    quaternion = Rotation.from_matrix(R.reshape(-1, 3, 3)).as_quat(scalar_first=True)
+    quaternion = _scipy().from_matrix(R.reshape(-1, 3, 3)).as_quat(scalar_first=True)
     return quaternion.reshape(*R.shape[:-2], 4)
 
 
@@ -53,7 +65,7 @@ def from_quaternion(quaternion: ArrayLike) -> np.ndarray:
             f"quaternions of zero length, the first {place(lost)}, say nothing about orientation; "
             "remove these samples"
         )
-    R = Rotation.from_quat(quaternion.reshape(-1, 4), scalar_first=True).as_matrix()
+    R = _scipy().from_quat(quaternion.reshape(-1, 4), scalar_first=True).as_matrix()
     return R.reshape(*quaternion.shape[:-1], 3, 3)
 
 
@@ -103,7 +115,7 @@ def quaternions(
         )
     values = values[:, None] if values.ndim == 1 else values
     _check_rows(name, values, (len(convention),))
-    return Rotation.from_euler(convention, values, degrees=degrees).as_quat(scalar_first=True)
+    return _scipy().from_euler(convention, values, degrees=degrees).as_quat(scalar_first=True)
 
 
 def continuous(quaternions: ArrayLike) -> np.ndarray:
@@ -136,7 +148,7 @@ def warn_of_turns(name: str, quaternions: np.ndarray) -> None:
 
 def mean(R: ArrayLike) -> np.ndarray:
     """Mean rotation (3, 3) of rotation matrices (N, 3, 3): least sum of squared chordal errors."""
-    return Rotation.from_matrix(_matrices(R)).mean().as_matrix()
+    return _scipy().from_matrix(_matrices(R)).mean().as_matrix()
 
 
 def left_jacobian_inverse(w: ArrayLike) -> np.ndarray:

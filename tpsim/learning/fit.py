@@ -73,7 +73,7 @@ def demonstrations_of(name: str, observations: object) -> list[Demonstration] | 
     return agreed_with_warning(several(name, observations, Demonstration))
 
 
-def seen_by_frames(observations: Views) -> Seen:
+def seen_by_frames(observations: object) -> Seen:
     """Views (N, d_j) of all frames, from demonstrations or from one array per frame."""
     demonstrations = demonstrations_of("demonstrations", observations)
     if demonstrations is not None:

@@ -102,11 +102,12 @@ def _labellings(memory: Memory, components: int) -> Iterator[np.ndarray]:
 
 def _memory_of(model: TPGMM, views: list[np.ndarray]) -> Memory:
     """What the model remembers, after comparing the new data with it."""
-    if instance("model", model, TPGMM).memory is None:
+    memory = instance("model", model, TPGMM).memory
+    if memory is None:
         raise ArgumentError("the model has no memory of its samples; fit it with fit_tp_gmm")
     dims = tuple(view.shape[1] for view in views)
     if dims != model.dims:
         raise ArgumentError(
             f"the new data have views of dimensions {dims}; the model's frames have {model.dims}"
         )
-    return model.memory
+    return memory

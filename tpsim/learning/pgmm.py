@@ -12,7 +12,7 @@ from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian, symmetric
-from tpsim.learning.em import EMPTY, Mixture, regularisation
+from tpsim.learning.em import EMPTY, Mixture, project, regularisation
 from tpsim.learning.fit import Start
 from tpsim.learning.gmm import GMM, checked_priors, fit_gmm, log_priors, log_sum, posterior
 from tpsim.learning.regularisation import Regularisation
@@ -193,6 +193,7 @@ def fit_pgmm(
     begun = Mixture.of(np.maximum(start.priors, EMPTY), [start.gaussians], samples)
     _, parts = samples.expectation(begun.priors, begun.components)
     limit = regularisation(samples, ridge, parts)[0]
+    start = GMM(start.priors, project(begun, Full(), [limit]).frames(samples)[0])
     centre, scale = _standard(Q) if task_ridge is None else (np.zeros(Q.shape[1]), 1.0)
     Q = (Q - centre) / scale
     model = _at_rest(start, Q.shape[1])
@@ -249,8 +250,8 @@ def _checked(
         if len(framed) < len(sequences):
             raise ArgumentError("without parameters, give demonstrations with frames")
         given_parameters = [task_vector(demonstration.frames) for demonstration in framed]
-    data = [s.data if isinstance(s, Demonstration) else s for s in sequences]
-    data = [finite_array(f"sequences[{m}]", one) for m, one in enumerate(data)]
+    raw = [s.data if isinstance(s, Demonstration) else s for s in sequences]
+    data = [finite_array(f"sequences[{m}]", one) for m, one in enumerate(raw)]
     shapes = [one.shape for one in data]
     if not shapes or any(len(s) != 2 or 0 in s or s[1] != shapes[0][1] for s in shapes):
         raise ArgumentError(f"sequences have shapes {shapes}; give (T_m, D) of one D, none empty")

@@ -6,7 +6,7 @@ import numpy as np
 
 from tpsim.checks import number
 from tpsim.errors import ArgumentError
-from tpsim.frame import Frame, pseudoinverse
+from tpsim.frame import Frame, plain_inverse, pseudoinverse
 from tpsim.gaussian import Gaussian, add_ridge, inverse_spd, symmetric
 
 _ZERO = np.zeros(1)
@@ -25,32 +25,49 @@ def product_of_frames(
     ``prior`` is one more factor, in common coordinates; without it every direction must be seen
     by some frame.
     """
-    precision, information = _ZERO, _ZERO
+    precisions, informations = [], []
     maps: list[tuple[np.ndarray, np.ndarray]] = []
-    origin = _ZERO
+    origin, determined = _ZERO, False
     for group, members in _alike(frames):
         A = np.array([frame.A for frame in members])
         b = np.array([frame.b for frame in members])
-        inverse = pseudoinverse(A)
-        means, precisions = stack(group)
+        inverse = plain_inverse(A)
+        determined |= inverse is not None
+        if inverse is None:
+            inverse = pseudoinverse(A)
+        means, inverses = stack(group)
         if not maps:  # a point near the result: far from zero, sums would lose their digits
-            first = members[0]
-            at = (0,) * (first.b.ndim - 1)
-            near = first.A[at] @ means[0, 0] + first.b[at]
-            origin = near if np.abs(near).max() < LARGEST else _ZERO
+            origin = _near(members[0], means[0, 0])
         maps.append((A, inverse))
-        mean, local = (_with_leading(part, A.ndim - 3) for part in (means, precisions))
+        mean, local = (_with_leading(part, A.ndim - 3) for part in (means, inverses))
         weighted = inverse.mT[..., None, :, :] @ local
-        precision = precision + (weighted @ inverse[..., None, :, :]).sum(0)
+        precisions.append((weighted @ inverse[..., None, :, :]).sum(0))
         target = mean + np.matmul(inverse, (b - origin)[..., None]).mT
-        information = information + (weighted @ target[..., None]).sum(0)
+        informations.append((weighted @ target[..., None]).sum(0))
     if prior is not None:
-        precision = precision + prior.precision
-        information = information + prior.precision @ (prior.mean - origin)[..., None]
-    elif not any(_determines(A, inverse) for A, inverse in maps):
+        precisions.append(prior.precision)
+        informations.append(prior.precision @ (prior.mean - origin)[..., None])
+    elif not determined and not any(_determines(A, inverse) for A, inverse in maps):
         _check_all_seen([inverse for _, inverse in maps])
-    covariance = inverse_spd(precision, "sum of the frames' precisions")
-    return Gaussian.trusted((covariance @ information)[..., 0] + origin, covariance)
+    covariance = inverse_spd(_sum(precisions), "sum of the frames' precisions")
+    return Gaussian.trusted((covariance @ _sum(informations))[..., 0] + origin, covariance)
+
+
+def _sum(parts: list[np.ndarray]) -> np.ndarray:
+    total = parts[0]
+    for part in parts[1:]:
+        total = total + part
+    return total
+
+
+def _near(frame: Frame, mean: np.ndarray) -> np.ndarray:
+    """Where a mean (d,) lies in common coordinates, (D,); at the first step of a moving frame."""
+    A, b = frame.A, frame.b
+    if b.ndim > 1:
+        first = (0,) * (b.ndim - 1)
+        A, b = A[first], b[first]
+    near = A @ mean + b
+    return near if all(-LARGEST < x < LARGEST for x in near.tolist()) else _ZERO
 
 
 def product_with_ridge(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.checks import choice, matrix, number
+from tpsim.checks import choice, is_table, matrix, number
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.learning.em import maximise, regularisation
@@ -205,7 +205,7 @@ def dp_means_start(
     GMM or TPGMM
         As in ``start = dp_means_start(demos); fit_tp_gmm(demos, start.components, start=start)``.
     """
-    plain = isinstance(data, np.ndarray) and data.ndim == 2
+    plain = is_table("data", data)
     views = (seen_as_data(data) if plain else seen_by_frames(data)).views
     labels = dp_means(np.hstack(views), radius)
     samples = Samples(views)

@@ -93,12 +93,16 @@ class Samples:
 
     def moments(self, responsibilities: np.ndarray) -> Moments:
         """Moments of the samples, without memory, for responsibilities (N, K), Eqs (50-52)."""
-        total = sum(responsibilities[rows].T @ features.T for rows, features in self._blocks())
+        total = np.zeros((responsibilities.shape[1], self._size))
+        for rows, features in self._blocks():
+            total += responsibilities[rows].T @ features.T
         return self._moments(total)
 
     def total(self) -> Moments:
         """Moments of all samples, and of the memory, as one group."""
-        total = sum(features.sum(1) for _, features in self._blocks())
+        total = np.zeros(self._size)
+        for _, features in self._blocks():
+            total += features.sum(1)
         for weight, features in self._recalled():
             total = total + features @ weight
         return self._moments(total[None])
@@ -109,11 +113,12 @@ class Samples:
         """Mean log-likelihood, Eq. (49), and the moments it asks for, in one pass."""
         weights = self._weights(components)
         weights[:, 0] += np.log(priors)
-        log_likelihood, count, total = 0.0, self.count, 0.0
+        log_likelihood, count = 0.0, float(self.count)
+        total = np.zeros((len(weights), self._size))
         for _, features in self._blocks():
             evidence, joint = _responsibilities(weights @ features)
             log_likelihood += evidence.sum()
-            total = total + joint @ features.T
+            total += joint @ features.T
         for weight, features in self._recalled():
             evidence, joint = _responsibilities(weights @ features)
             log_likelihood += evidence @ weight
@@ -125,8 +130,8 @@ class Samples:
         """What to remember of the samples, at times (N,), and of the memory."""
         run = max(SEGMENT, -(-2 * self.count // CAPACITY))
         ends = np.cumsum(lengths)
-        cuts = [np.arange(end - n, end, run) for end, n in zip(ends, lengths, strict=True)]
-        cuts = np.unique(np.concatenate([*cuts, [rows.start for rows in self._slices]]))
+        begun = [np.arange(end - n, end, run) for end, n in zip(ends, lengths, strict=True)]
+        cuts = np.unique(np.concatenate([*begun, [rows.start for rows in self._slices]]))
         totals = [
             np.add.reduceat(
                 features, cuts[(cuts >= rows.start) & (cuts < rows.stop)] - rows.start, axis=1
@@ -136,6 +141,7 @@ class Samples:
         times = [np.add.reduceat(time, cuts) / np.diff(cuts, append=self.count)]
         for weight, features in self._recalled():
             totals.append(features * weight)
+        if self._memory is not None:
             times.append(self._memory.time)
         moments = self._moments(np.concatenate(totals, axis=1).T)
         return Memory(moments, np.concatenate(times)).within(CAPACITY)

@@ -69,7 +69,7 @@ class TPGMM(Stored):
         """Number of components K."""
         return len(self.priors)
 
-    @property
+    @cached_property
     def dims(self) -> tuple[int, ...]:
         """Local dimension d_j of every frame."""
         return tuple(frame.dim for frame in self.frames)
@@ -120,7 +120,7 @@ class TPGMM(Stored):
             gaussians = product_of_frames(self._stack, frames, prior)
         return GMM.trusted(self.priors, gaussians)
 
-    def log_joint(self, observations: Views) -> np.ndarray:
+    def log_joint(self, observations: object) -> np.ndarray:
         """Log of prior times densities in all frames for every component, (N, K)."""
         views = seen_by_frames(observations).views
         if tuple(view.shape[1] for view in views) != self.dims:
@@ -170,22 +170,26 @@ class TPGMM(Stored):
                 "one is not observed)"
             )
         dims = {instance("prior", prior, Gaussian).dim} if prior is not None else set()
-        moving = set()
+        moving: set[tuple[int, ...]] = set()
         for j, (frame, d) in enumerate(zip(frames, self.dims, strict=True)):
             if frame is None:
                 continue
-            if instance(f"frame {j}", frame, Frame, "give Frame(A, b)").local_dim != d:
+            if not isinstance(frame, Frame):
+                instance(f"frame {j}", frame, Frame, "give Frame(A, b)")
+            *leading, D, local = frame.A.shape
+            if local != d:
                 raise ArgumentError(
                     f"frame {j} has A of shape {frame.A.shape}; the model asks for (..., D, {d})"
                 )
-            dims.add(frame.dim)
-            moving.add(frame.shape)
+            dims.add(D)
+            if leading:
+                moving.add(tuple(leading))
         if len(dims) != 1:
             raise ArgumentError(
                 f"the frames lead to common dimensions {sorted(dims)}; at least one frame must "
                 "be given, and all must agree"
             )
-        if len(moving - {()}) > 1:
+        if len(moving) > 1:
             raise ArgumentError(f"the frames move in steps of {sorted(moving)}; all must agree")
         return frames
 

@@ -132,7 +132,8 @@ class TPTrajectoryDistribution(Stored):
         origin = frames[0].to_common(self.frames[0].mean)  # near the result, to keep its digits
         pairs = zip(self.frames, frames, strict=True)
         evidence = [_evidence(local, frame, origin) for local, frame in pairs]
-        noise = inverse_spd(sum(e[0] for e in evidence), "information of the frames")
+        precision = np.sum([e[0] for e in evidence], axis=0)
+        noise = inverse_spd(precision, "information of the frames")
         explained = np.concatenate([e[1] for e in evidence])
         spread = np.einsum("nta,tab->ntb", explained, noise)
         gram = np.einsum("nta,mta->nm", spread, explained)

@@ -54,7 +54,7 @@ class Motion(Stored):
         the acceleration of an uneven one is exact there as well.
         """
         if isinstance(position, Demonstration):
-            position, dt = position.data, position.time
+            return cls.of(position.data, position.time)
         position = matrix("position", position)
         if len(position) < 2:
             raise ArgumentError(f"position {position.shape} needs at least 2 time steps")

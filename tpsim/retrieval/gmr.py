@@ -118,8 +118,8 @@ class Regression(Stored):
         explained = covariance[..., inputs:, :inputs] @ whiten.swapaxes(-1, -2)
         linear = np.concatenate((whiten, explained @ whiten), axis=-2)
         conditional = covariance[..., inputs:, inputs:] - explained @ explained.swapaxes(-1, -2)
-        if number("ridge", ridge, least=0):
-            conditional = add_ridge(conditional, ridge)
+        if ridge != 0:
+            conditional = add_ridge(conditional, number("ridge", ridge, least=0))
         diagonal = whiten.diagonal(axis1=-2, axis2=-1)
         log_scale = np.log(np.maximum(gmm.priors * np.multiply.reduce(diagonal, -1), _TINY))
         return cls(mean[..., :inputs], mean[..., inputs:], linear, conditional, log_scale)

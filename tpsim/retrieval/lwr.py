@@ -53,11 +53,11 @@ def lwr(
     ArgumentError
         Shapes that do not fit, or a query whose neighbourhood does not determine the polynomial.
     """
-    inputs, outputs = finite_array("inputs", inputs), finite_array("outputs", outputs)
+    inputs, y = finite_array("inputs", inputs), finite_array("outputs", outputs)
     queries = np.atleast_1d(finite_array("queries", queries))
-    if inputs.ndim != 1 or outputs.ndim != 2 or len(inputs) != len(outputs) or queries.ndim != 1:
+    if inputs.ndim != 1 or y.ndim != 2 or len(inputs) != len(y) or queries.ndim != 1:
         raise ArgumentError(
-            f"inputs {inputs.shape}, outputs {outputs.shape} and queries {queries.shape} must be "
+            f"inputs {inputs.shape}, outputs {y.shape} and queries {queries.shape} must be "
             "(N,), (N, O) and (T,)"
         )
     width, degree = number("width", width, above=0), whole("degree", degree)
@@ -76,15 +76,15 @@ def lwr(
     normal = weighted @ powers
     if not (np.linalg.cond(normal) < WORST_CONDITION).all():
         raise ArgumentError(f"Too few inputs around a query for degree {degree}; widen the width")
-    centre = outputs.mean(0)
-    outputs = outputs - centre
-    polynomial = np.linalg.solve(normal, weighted @ outputs)
-    residual = outputs - powers @ polynomial
+    centre = y.mean(0)
+    y = y - centre
+    polynomial = np.linalg.solve(normal, weighted @ y)
+    residual = y - powers @ polynomial
     covariance = (residual * h[..., None]).mT @ residual
     if ridge is None:
-        local = np.maximum(h @ outputs**2 - (h @ outputs) ** 2, 0.0)
+        local = np.maximum(h @ y**2 - (h @ y) ** 2, 0.0)
         added = least_variances(local, LEAST) - np.diagonal(covariance, axis1=1, axis2=2)
-        covariance += np.maximum(added, 0.0)[..., None] * np.eye(outputs.shape[1])
+        covariance += np.maximum(added, 0.0)[..., None] * np.eye(y.shape[1])
     else:
-        covariance += ridge * np.eye(outputs.shape[1])
+        covariance += ridge * np.eye(y.shape[1])
     return Gaussian.trusted(polynomial[:, 0] + centre, covariance)

@@ -18,6 +18,7 @@ Floats = NDArray[np.float64]
 Seed = int | np.random.Generator | None
 
 FLOAT = np.dtype(np.float64)
+LARGEST = 1e100  # number whose powers and products stay finite
 FASTEST = 1e-100  # [s]: rates of change over shorter steps leave the range of floating point
 
 
@@ -50,6 +51,14 @@ def frozen(array: np.ndarray) -> np.ndarray:
     """The same array, read-only: for results that nothing writes to any more."""
     array.setflags(write=False)
     return array
+
+
+def own(value: object, *names: str) -> None:
+    """Replace arrays of a frozen dataclass by read-only copies; None stays None."""
+    for name in names:
+        array = getattr(value, name)
+        if array is not None:
+            object.__setattr__(value, name, frozen(np.array(array)))
 
 
 def place(wrong: np.ndarray) -> str:

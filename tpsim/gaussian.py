@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
 from tpsim.checks import (
+    LARGEST,
     Seed,
     dimensions,
     finite_array,
@@ -119,6 +120,10 @@ class Gaussian(Stored):
         x = finite_array("x", x)
         if x.shape[-1:] != (self.dim,):
             raise ArgumentError(f"x has shape {x.shape}; its last axis must be D = {self.dim}")
+        if np.abs(x).max(initial=0.0) > LARGEST:
+            raise ArgumentError(
+                f"x reaches {np.abs(x).max():.1e}; change units to stay below 1e100"
+            )
         W, log_det = self._whitening
         z = np.matmul(W, (x - self.mean)[..., None])[..., 0]
         return log_det - 0.5 * (self.dim * LOG_2PI + np.einsum("...i,...i", z, z))

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import finite_array, frozen
+from tpsim.checks import finite_array, own
 from tpsim.control.system import LinearSystem
 from tpsim.errors import ArgumentError
 
@@ -31,7 +31,7 @@ class Plan(Stored):
     covariance: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        _freeze(self.states, self.controls, self.covariance)
+        own(self, "states", "controls", "covariance")
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class Feedback(Stored):
     curvature: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        _freeze(self.gain, self.feedforward, self.curvature)
+        own(self, "gain", "feedforward", "curvature")
 
     def control(self, t: int, state: np.ndarray) -> np.ndarray:
         """Control u_t (..., m) at step t for a measured state (..., n)."""
@@ -120,9 +120,3 @@ def checked_state(state: ArrayLike, n: int) -> np.ndarray:
     if state.shape != (n,):
         raise ArgumentError(f"state {state} has shape {state.shape}; give {n} finite numbers")
     return state
-
-
-def _freeze(*arrays: np.ndarray | None) -> None:
-    for array in arrays:
-        if isinstance(array, np.ndarray):
-            frozen(array)

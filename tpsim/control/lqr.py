@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_are, solve_discrete_are
 
 from tpsim.archive import Stored
-from tpsim.checks import finite_array, frozen
+from tpsim.checks import finite_array, own
 from tpsim.control.system import LinearSystem
 from tpsim.errors import ArgumentError
 
@@ -34,8 +34,7 @@ class Regulator(Stored):
     riccati: np.ndarray
 
     def __post_init__(self) -> None:
-        frozen(self.gain)
-        frozen(self.riccati)
+        own(self, "gain", "riccati")
 
 
 def lqr(

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.agreement import agreed_with_warning
-from tpsim.checks import choice, column_or_matrix, number, several, whole
+from tpsim.checks import choice, column_or_matrix, number, own, several, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 
@@ -30,6 +30,9 @@ class Warp:
 
     path: np.ndarray
     cost: float
+
+    def __post_init__(self) -> None:
+        own(self, "path")
 
     def timing(self) -> np.ndarray:
         """For every sample of the reference, the matched (fractional) index of the other.

@@ -4,13 +4,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from tpsim.checks import number
+from tpsim.checks import LARGEST, number
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame, plain_inverse, pseudoinverse
 from tpsim.gaussian import Gaussian, add_ridge, inverse_spd, symmetric
 
 _ZERO = np.zeros(1)
-LARGEST = 1e100  # number whose powers and products stay finite
 UNSEEN = 1e-8  # relative length below which a direction counts as seen by no frame
 
 Stack = Callable[[tuple[int, ...]], tuple[np.ndarray, np.ndarray]]

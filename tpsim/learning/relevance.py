@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tpsim.checks import Seed, dimensions, generator, number, several, whole
+from tpsim.checks import Seed, dimensions, generator, number, own, several, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
@@ -96,6 +96,9 @@ class FrameReport:
     chance: np.ndarray
     tested: np.ndarray
     significance: float
+
+    def __post_init__(self) -> None:
+        own(self, "mean", "peak", "peak_progress", "chance", "tested")
 
     @property
     def never(self) -> tuple[int, ...]:

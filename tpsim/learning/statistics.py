@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tpsim.checks import LARGEST
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import LOG_2PI, cholesky
 from tpsim.learning.moments import CAPACITY, Memory, Moments
-from tpsim.learning.product import LARGEST
 from tpsim.learning.start import RESOLUTION
 
 CACHE_BYTES = 2**28  # features are kept up to this size, else made anew in every pass

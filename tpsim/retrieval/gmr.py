@@ -91,6 +91,10 @@ class Regression(Stored):
     covariance: NDArray
     log_scale: NDArray
 
+    def __post_init__(self) -> None:
+        for array in (self.input_mean, self.output_mean, self.linear, self.covariance):
+            array.setflags(write=False)
+
     @classmethod
     def of(
         cls,

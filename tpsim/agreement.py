@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tpsim.checks import dimensions
+from tpsim.checks import dimensions, several
 from tpsim.errors import ArgumentError, DataWarning
 from tpsim.rotation import continuous
 
@@ -55,7 +55,7 @@ def agree(
     """
     from tpsim.demonstration import Demonstration
 
-    demonstrations = list(demonstrations)
+    demonstrations = several("demonstrations", demonstrations, Demonstration)
     widths = {d.data.shape[1] for d in demonstrations}
     seen = {tuple(view.shape[1] for view in d.observations) for d in demonstrations}
     if len(widths) != 1 or len(seen) != 1:

@@ -8,6 +8,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
+from os import PathLike
 from pathlib import Path
 from typing import ClassVar, Self
 
@@ -89,6 +90,8 @@ def save_arrays(path: str | Path, arrays: Mapping[str, np.ndarray]) -> Path:
 
 def load_arrays(path: str | Path) -> Arrays:
     """Read the arrays of an archive; RecordingError where it is missing or damaged."""
+    if not isinstance(path, str | PathLike):
+        raise ArgumentError(f"path is a {type(path).__name__}; give a file name")
     path = Path(path)
     if not path.is_file():
         raise RecordingError(f"there is no file {path}; give the name that save() was given")

@@ -19,6 +19,7 @@ Seed = int | np.random.Generator | None
 
 FLOAT = np.dtype(np.float64)
 LARGEST = 1e100  # number whose powers and products stay finite
+MOST = 10**9  # as many of anything nobody means
 FASTEST = 1e-100  # [s]: rates of change over shorter steps leave the range of floating point
 
 
@@ -31,7 +32,12 @@ def finite_array(name: str, value: object) -> Floats:
         Text, complex numbers, dates, masked or missing entries, ragged lists, NaN, infinity.
     """
     array = value if type(value) is np.ndarray and value.dtype is FLOAT else _floats(name, value)
-    if not np.isfinite(array).all():
+    if array.size and not np.abs(array).max() < LARGEST:
+        if np.isfinite(array).all():
+            raise ArgumentError(
+                f"{name} reaches {np.abs(array).max():.1e}, beyond the support of numbers whose "
+                f"products stay finite; change units to stay below {LARGEST:.0e}"
+            )
         raise ArgumentError(
             f"{name} is not finite: NaN or infinite entries, the first "
             f"{place(~np.isfinite(array))}; remove or fill them first"
@@ -150,7 +156,7 @@ def number(
     scalar = value
     if isinstance(value, np.ndarray | np.generic) and value.size == 1:
         scalar = value.item()
-    if isinstance(scalar, int | float) and not isinstance(scalar, bool) and abs(scalar) < np.inf:
+    if isinstance(scalar, int | float) and not isinstance(scalar, bool) and abs(scalar) < LARGEST:
         high_enough = (least is None or scalar >= least) and (above is None or scalar > above)
         if high_enough and (below is None or scalar < below):
             return float(scalar)
@@ -161,31 +167,54 @@ def number(
     ]
     words = "".join(f", {words}" for words in limits if words)
     kind = "finite, positive" if above == 0 else "finite"
-    raise ArgumentError(f"{name} is {value!r}; give a {kind} {what}{words}")
+    raise ArgumentError(f"{name} is {shown(value)}; give a {kind} {what}{words}")
+
+
+def shown(value: object) -> str:
+    """What was given, in a few words."""
+    try:
+        words = repr(value)
+    except Exception:  # whatever a foreign object raises, or an integer too long to print
+        words = f"a {type(value).__name__}"
+    return words if len(words) <= 80 else f"{words[:77]}..."
 
 
 def bound(name: str, value: object) -> float:
     """Number that may be infinite, but not NaN: where an iteration ends."""
-    if not isinstance(value, int | float | np.number) or np.isnan(value):
-        raise ArgumentError(f"{name} is {value!r}; it must be a number")
-    return float(value)
+    try:
+        found = float(value) if isinstance(value, int | float | np.number) else np.nan
+    except OverflowError:
+        found = np.nan
+    if np.isnan(found):
+        raise ArgumentError(f"{name} is {shown(value)}; it must be a number")
+    return found
+
+
+def flag(name: str, value: object) -> bool:
+    """True or False."""
+    if not isinstance(value, bool | np.bool_):
+        raise ArgumentError(f"{name} is {shown(value)}; give True or False")
+    return bool(value)
 
 
 def whole(name: str, value: object, least: int = 0, hint: str = "") -> int:
     """Whole number from ``least`` upwards."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-        raise ArgumentError(
-            f"{name} is {value!r}; it must be a whole number, at least {least} ({least} or more)"
-            + (f"; {hint}" if hint else "")
-        )
-    return int(value)
+    if isinstance(value, int | np.integer) and not isinstance(value, bool):
+        if value > MOST:
+            raise ArgumentError(f"{name} is too large; allowed are whole numbers up to {MOST}")
+        if value >= least:
+            return int(value)
+    raise ArgumentError(
+        f"{name} is {shown(value)}; it must be a whole number, at least {least} ({least} or more)"
+        + (f"; {hint}" if hint else "")
+    )
 
 
 def choice(name: str, value: object, allowed: Collection[str]) -> str:
     """One of the allowed words."""
     if not isinstance(value, str) or value not in allowed:
         words = " or ".join(repr(word) for word in allowed)
-        raise ArgumentError(f"{name} is {value!r}; allowed: give {words}")
+        raise ArgumentError(f"{name} is {shown(value)}; allowed: give {words}")
     return value
 
 
@@ -203,7 +232,7 @@ def several(name: str, value: object, kind: type[Value], hint: str = "") -> list
     """List of values of a class; one alone counts as a list of one."""
     if isinstance(value, kind):
         return [value]
-    if isinstance(value, str | bytes) or not isinstance(value, Iterable):
+    if not _iterable(value) or not isinstance(value, Iterable):
         raise ArgumentError(
             f"{name} is a {type(value).__name__}; give one or more {kind.__name__}"
             + (f"; {hint}" if hint else "")
@@ -218,9 +247,14 @@ def entries(name: str, value: object, *, tables: bool = True) -> list[object]:
     """
     if tables and is_table(name, value):
         return [value]
-    if isinstance(value, str | bytes) or not isinstance(value, Iterable):
-        raise ArgumentError(f"{name} is {value!r}; give a sequence")
-    return list(value)
+    if not _iterable(value):
+        raise ArgumentError(f"{name} is {shown(value)}; give a sequence")
+    return list(value) if isinstance(value, Iterable) else []
+
+
+def _iterable(value: object) -> bool:
+    flat = isinstance(value, np.ndarray) and value.ndim == 0
+    return isinstance(value, Iterable) and not isinstance(value, str | bytes) and not flat
 
 
 def is_table(name: str, value: object) -> bool:
@@ -233,7 +267,7 @@ def dimensions(name: str, value: object, size: int) -> np.ndarray:
     """Different indices out of 0 ... size - 1, counted from the end where negative."""
     dims = np.atleast_1d(array_of(name, value))
     if dims.dtype == bool or not np.issubdtype(dims.dtype, np.integer) or dims.ndim != 1:
-        raise ArgumentError(f"{name} is {value!r}; it must be at least one integer")
+        raise ArgumentError(f"{name} is {shown(value)}; it must be at least one integer")
     if dims.size == 0 or dims.min() < -size or dims.max() >= size:
         raise ArgumentError(
             f"{name} is {dims.tolist()}; give different dimensions out of 0 to {size - 1}, at "
@@ -251,7 +285,9 @@ def generator(name: str, rng: Seed, default: int | None = None) -> np.random.Gen
         return rng
     seed = default if rng is None else rng
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-        raise ArgumentError(f"{name} is {rng!r}; give a numpy Generator or a seed, an int >= 0")
+        raise ArgumentError(
+            f"{name} is {shown(rng)}; give a numpy Generator or a seed, an int >= 0"
+        )
     return np.random.default_rng(int(seed))
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from tpsim import rotation
 from tpsim.agreement import warn_of_jumps
 from tpsim.archive import Stored
-from tpsim.checks import entries, finite_array, frozen, frozen_array, several, stamps, whole
+from tpsim.checks import entries, finite_array, flag, frozen, frozen_array, several, stamps, whole
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.timeline import differentiate, interpolate, new_times
@@ -58,6 +58,7 @@ class Demonstration(Stored):
         observations: Sequence[ArrayLike] | None = None,
         name: str = "",
     ):
+        name = str(name)
         label = f"demonstration {name!r}: " if name else ""
         times = frozen(np.array(stamps(f"{label}time", time)))
         values = frozen_array(f"{label}data", data)
@@ -123,6 +124,7 @@ class Demonstration(Stored):
         :func:`tpsim.agree` brings several demonstrations to one sign. A DataWarning names the
         first place where neighbours are more than 60 degrees apart.
         """
+        name = str(name)
         label = f"demonstration {name!r}: " if name else ""
         positions = finite_array(f"{label}positions", positions)
         if positions.ndim != 2 or positions.shape[1] != 3:
@@ -158,7 +160,7 @@ class Demonstration(Stored):
         Every column is interpolated for itself. A moving frame that is a rotation is brought
         back to the nearest rotation.
         """
-        times = new_times(self.time, times)
+        times, smooth = new_times(self.time, times), flag("smooth", smooth)
 
         def at(values: np.ndarray) -> np.ndarray:
             return interpolate(self.time, values, times, smooth)
@@ -177,11 +179,11 @@ class Demonstration(Stored):
             Default the time since the start of the movement [s].
         """
         given = self.time - self.time[0] if input is None else finite_array("input", input)
-        columns = given.reshape(len(given), -1) if given.ndim else given
-        if columns.shape[:1] != self.time.shape:
+        if given.shape[:1] != self.time.shape or given.size == 0:
             raise ArgumentError(
                 f"input has shape {given.shape}; it needs one row per sample, T = {len(self)}"
             )
+        columns = given.reshape(len(given), -1)
         n = columns.shape[1]
         return Demonstration(
             self.time,

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
 from tpsim.checks import (
-    LARGEST,
     Seed,
     dimensions,
     finite_array,
@@ -120,10 +119,6 @@ class Gaussian(Stored):
         x = finite_array("x", x)
         if x.shape[-1:] != (self.dim,):
             raise ArgumentError(f"x has shape {x.shape}; its last axis must be D = {self.dim}")
-        if np.abs(x).max(initial=0.0) > LARGEST:
-            raise ArgumentError(
-                f"x reaches {np.abs(x).max():.1e}; change units to stay below 1e100"
-            )
         W, log_det = self._whitening
         z = np.matmul(W, (x - self.mean)[..., None])[..., 0]
         return log_det - 0.5 * (self.dim * LOG_2PI + np.einsum("...i,...i", z, z))
@@ -247,9 +242,18 @@ def match_moments(weights: ArrayLike, gaussian: Gaussian) -> Gaussian:
         The components.
     """
     h = finite_array("weights", weights)
+    parts = instance("gaussian", gaussian, Gaussian)
+    if h.ndim == 0 or parts.mean.ndim < 2 or parts.mean.shape[-2] != h.shape[-1]:
+        raise ArgumentError(
+            f"weights have shape {h.shape} and the gaussian means {parts.mean.shape}; they must be "
+            "(..., K) and (..., K, D)"
+        )
     if (h < 0).any() or (np.abs(h.sum(-1) - 1) > 1e-6).any():
         raise ArgumentError("weights must not be negative, and sum to one over the last axis")
-    return mixed_moments(h, instance("gaussian", gaussian, Gaussian))
+    try:
+        return mixed_moments(h, parts)
+    except ValueError as error:
+        raise ArgumentError(f"leading axes do not match: {error}") from error
 
 
 def mixed_moments(h: np.ndarray, gaussian: Gaussian) -> Gaussian:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.checks import finite_array, place
+from tpsim.checks import finite_array, instance, place
 from tpsim.errors import ArgumentError, DataWarning
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def _scipy() -> type[Rotation]:
 
 def skew(v: ArrayLike) -> np.ndarray:
     """Cross-product matrix: ``skew(v) @ x = v x x``, shape (..., 3) -> (..., 3, 3)."""
-    v = np.asarray(v, float)
+    v = _shaped("vectors", v, (3,))
     S = np.zeros((*v.shape[:-1], 3, 3))
     S[..., 0, 1], S[..., 0, 2], S[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
     return S - np.swapaxes(S, -1, -2)
@@ -46,7 +46,10 @@ def exp(w: ArrayLike) -> np.ndarray:
 def log(R: ArrayLike) -> np.ndarray:
     """Rotation vectors (..., 3) [rad] of rotation matrices (..., 3, 3); angle in [0, pi]."""
     R = _shaped("rotations", R, (3, 3))
-    return _scipy().from_matrix(R.reshape(-1, 3, 3)).as_rotvec().reshape(*R.shape[:-2], 3)
+    try:
+        return _scipy().from_matrix(R.reshape(-1, 3, 3)).as_rotvec().reshape(*R.shape[:-2], 3)
+    except ValueError as error:
+        raise ArgumentError(f"rotations hold a matrix that is none: {error}") from error
 
 
 def to_quaternion(R: ArrayLike) -> np.ndarray:
@@ -92,6 +95,7 @@ def quaternions(
         An unknown convention, or rows that are no orientations.
     """
     values = finite_array(name, orientations)
+    convention = instance("convention", convention, str)
     if convention in ("wxyz", "xyzw"):
         _check_rows(name, values, (4,))
         length = np.linalg.norm(values, axis=-1)
@@ -106,9 +110,7 @@ def quaternions(
     if convention == "matrix":
         _check_rows(name, values, (3, 3))
         return to_quaternion(values)
-    if not re.fullmatch("[xyz]{1,3}|[XYZ]{1,3}", str(convention)) or re.search(
-        r"(.)\1", convention
-    ):
+    if not re.fullmatch("[xyz]{1,3}|[XYZ]{1,3}", convention) or re.search(r"(.)\1", convention):
         raise ArgumentError(
             f"convention is {convention!r}; give 'wxyz', 'xyzw', 'matrix', or Euler axes by "
             "scipy's names, such as 'xyz' (fixed) or 'ZYX' (turning)"
@@ -156,7 +158,7 @@ def left_jacobian_inverse(w: ArrayLike) -> np.ndarray:
 
     ``d log(R) / dt = left_jacobian_inverse(log(R)) @ omega``. Singular at an angle of 2 pi only.
     """
-    w = np.asarray(w, float)
+    w = _shaped("rotation vectors", w, (3,))
     angle = np.linalg.norm(w, axis=-1)[..., None, None]
     S = skew(w)
     half = angle / 2
@@ -168,7 +170,7 @@ def left_jacobian_inverse(w: ArrayLike) -> np.ndarray:
 
 def left_jacobian(w: ArrayLike) -> np.ndarray:
     """Map from the rate of ``log(R)`` to world angular velocity: (..., 3) -> (..., 3, 3)."""
-    w = np.asarray(w, float)
+    w = _shaped("rotation vectors", w, (3,))
     angle = np.linalg.norm(w, axis=-1)[..., None, None]
     S = skew(w)
     small = angle < 1e-4
@@ -183,8 +185,8 @@ def tilt(R: ArrayLike, axis: ArrayLike = (0.0, 0.0, 1.0)) -> np.ndarray:
 
     The cup's tilt: how far its axis leans from the vertical.
     """
-    axis = np.asarray(axis, float)
-    carried = np.asarray(R, float) @ axis
+    axis = _shaped("axis", axis, (3,))
+    carried = _shaped("rotations", R, (3, 3)) @ axis
     # atan2 keeps its precision near zero, where arccos has none.
     sine = np.linalg.norm(np.cross(carried, axis), axis=-1)
     return np.arctan2(sine, carried @ axis)

@@ -61,7 +61,13 @@ class Feedback(Stored):
 
     def control(self, t: int, state: np.ndarray) -> np.ndarray:
         """Control u_t (..., m) at step t for a measured state (..., n)."""
-        return self.feedforward[t] - state @ self.gain[t].T
+        try:
+            return self.feedforward[t] - state @ self.gain[t].T
+        except (TypeError, ValueError, IndexError) as error:
+            raise ArgumentError(
+                f"step {t} and state {np.shape(state)} do not fit a feedback of {len(self.gain)} "
+                f"steps and (..., {self.gain.shape[-1]}) states ({error})"
+            ) from error
 
     def rollout(self, initial: ArrayLike) -> Plan:
         """Trajectory from an initial state (n,) under this feedback.

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_are, solve_discrete_are
 
 from tpsim.archive import Stored
-from tpsim.checks import finite_array, own
+from tpsim.checks import finite_array, flag, own
 from tpsim.control.system import LinearSystem
 from tpsim.errors import ArgumentError
 
@@ -66,7 +66,7 @@ def lqr(
         solution exists: a mode that is not stable is not seen by Q or not moved by B.
 
     """
-    A, B = _matrices(system, bool(discrete))
+    A, B = _matrices(system, flag("discrete", discrete))
     n, m = B.shape
     Q, R = finite_array("Q", Q), finite_array("R", R)
     R = R * np.eye(m) if R.ndim == 0 else R

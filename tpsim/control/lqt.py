@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg.lapack import dposv
 
-from tpsim.checks import instance, whole
+from tpsim.checks import flag, instance, whole
 from tpsim.control.feedback import Feedback, Plan, checked_state
 from tpsim.control.optimality import solve_optimality
 from tpsim.control.system import LinearSystem
@@ -88,6 +88,7 @@ def lqt_batch(
     problem = tracking_problem(means, precisions, system, effort)
     if initial is not None:
         initial = checked_state(initial, len(system.A))
+    covariance = flag("covariance", covariance)
     if not problem.strict or initial is None or covariance:
         policy, curvature = _backward(problem, free_start=initial is None)
     states, controls = solve_optimality(problem, initial)
@@ -131,6 +132,8 @@ def receding_horizon(
     """
     n, m = instance("system", system, LinearSystem, "integrator(dim, dt)").B.shape
     steps = whole("steps", steps)
+    if not callable(reference):
+        raise ArgumentError(f"reference is a {type(reference).__name__}; give reference(t, state)")
     states, controls = np.empty((steps + 1, n)), np.empty((steps, m))
     states[0] = checked_state(initial, n)
     for t in range(steps):

@@ -83,7 +83,7 @@ def absolute(
 
     """
     J, q, x = _checked(J, q, x)
-    return _task_frame(gain * pseudoinverse(J, damping), q, -x)
+    return _task_frame(number("gain", gain) * pseudoinverse(J, damping), q, -x)
 
 
 def relative(
@@ -119,7 +119,7 @@ def relative(
     J, q, x = _checked(J, q, x)
     A_object, b_object = _object(A_object, b_object, J)
     error = _clipped(b_object - x, clip)
-    return _task_frame(gain * pseudoinverse(J, damping), q, error, A_object)
+    return _task_frame(number("gain", gain) * pseudoinverse(J, damping), q, error, A_object)
 
 
 def nullspace_joint(
@@ -149,7 +149,7 @@ def nullspace_joint(
 
     """
     J, q = _posture(J, q)
-    return _task_frame(gain * nullspace(J, damping), q, -q)
+    return _task_frame(number("gain", gain) * nullspace(J, damping), q, -q)
 
 
 def nullspace_absolute(
@@ -182,7 +182,7 @@ def nullspace_absolute(
     """
     J, q = _posture(J, q)
     J_other, q, x_other = _checked(J_other, q, x_other)
-    return _task_frame(gain * _secondary(J, J_other, damping), q, -x_other)
+    return _task_frame(number("gain", gain) * _secondary(J, J_other, damping), q, -x_other)
 
 
 def nullspace_relative(
@@ -222,7 +222,7 @@ def nullspace_relative(
     J_other, q, x_other = _checked(J_other, q, x_other)
     A_object, b_object = _object(A_object, b_object, J_other)
     error = _clipped(b_object - x_other, clip)
-    return _task_frame(gain * _secondary(J, J_other, damping), q, error, A_object)
+    return _task_frame(number("gain", gain) * _secondary(J, J_other, damping), q, error, A_object)
 
 
 def _secondary(J: np.ndarray, J_other: np.ndarray, damping: float) -> np.ndarray:

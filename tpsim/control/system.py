@@ -6,7 +6,7 @@ from math import factorial
 import numpy as np
 
 from tpsim.archive import Stored
-from tpsim.checks import frozen_array, number, whole
+from tpsim.checks import flag, frozen_array, number, whole
 from tpsim.errors import ArgumentError
 
 
@@ -85,7 +85,7 @@ def integrator(
         dt = number("dt", dt, above=0, what="step [s]")
     if dt is None:
         A, B = np.eye(order, k=1), np.eye(order)[:, -1:]
-    elif exact:
+    elif flag("exact", exact):
         A = np.sum([np.eye(order, k=k) * dt**k / factorial(k) for k in range(order)], axis=0)
         B = np.array([[dt**k / factorial(k)] for k in range(order, 0, -1)])
     else:

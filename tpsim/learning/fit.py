@@ -143,7 +143,9 @@ class Options:
         bound("tolerance", self.tolerance)
         if isinstance(self.start, str):
             choice("start", self.start, ("time", "kmeans"))
-        elif not isinstance(self.start, tuple | None):
+        elif self.start is not None and not (
+            isinstance(self.start, tuple) and len(self.start) == 2
+        ):
             raise ArgumentError(
                 f"start is a {type(self.start).__name__}; give 'time', 'kmeans', a model of the "
                 "same kind, or None for the best"

@@ -92,6 +92,8 @@ class GMM(Stored):
     def log_joint(self, x: ArrayLike) -> np.ndarray:
         """Log of prior times density of ``x`` (..., D) for every component, (..., K)."""
         x = finite_array("x", x)
+        if x.shape[-1:] != (self.dim,):
+            raise ArgumentError(f"x has shape {x.shape}; its last axis must be D = {self.dim}")
         return log_priors(self.priors) + self.gaussians.log_density(x[..., None, :])
 
     def log_likelihood(self, x: ArrayLike) -> np.ndarray:

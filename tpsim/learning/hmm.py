@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import Seed, bound, frozen_array, generator, matrix, whole
+from tpsim.checks import Seed, bound, choice, frozen_array, generator, matrix, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
@@ -216,6 +216,7 @@ def fit_states(
 
     ``chain_of(components, topology, stay)`` makes the chain to begin with.
     """
+    choice("topology", topology, ("left-right", "any"))
     bound("tolerance", tolerance)
     whole("max_iterations", max_iterations)
     whole("components", components, least=1)

@@ -7,7 +7,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import Seed, bound, entries, finite_array, frozen_array, matrix, number, whole
+from tpsim.checks import (
+    Seed,
+    bound,
+    entries,
+    finite_array,
+    frozen_array,
+    matrix,
+    number,
+    several,
+    whole,
+)
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
@@ -110,6 +120,9 @@ class PGMM(Stored):
 
 def task_vector(frames: Sequence[Frame]) -> np.ndarray:
     """Task parameters Q (..., q) of frames: offsets and columns of all matrices, Section 8.2."""
+    frames = several("frames", frames, Frame)
+    if not frames:
+        raise ArgumentError("no frames were given; task parameters need at least one")
     parts = [
         part
         for frame in frames

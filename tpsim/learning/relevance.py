@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tpsim.checks import Seed, dimensions, generator, number, own, several, whole
+from tpsim.checks import Seed, dimensions, generator, instance, number, own, several, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
@@ -39,6 +39,7 @@ def frame_shares(
         As many frames as the model has, of its dimensions, are asked for.
     """
     frames = several("frames", frames, Frame)
+    instance("model", model, TPGMM)
     expected = [(gaussian.dim, frames[0].dim) for gaussian in model.frames] if frames else []
     given = [(frame.local_dim, frame.dim) for frame in frames]
     if not given or given != expected:
@@ -64,6 +65,7 @@ def frame_relevance(
     The shares of :func:`frame_shares`, averaged over components by their responsibilities,
     Eq. (49).
     """
+    instance("demonstration", demonstration, Demonstration)
     shares = frame_shares(model, demonstration.frames, dims)
     h = model.responsibilities([demonstration])
     return (h[:, None, :] @ shares)[:, 0]

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.checks import choice, is_table, matrix, number
+from tpsim.archive import Part
+from tpsim.checks import choice, entries, is_table, matrix, number, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.learning.em import maximise, regularisation
@@ -14,7 +15,7 @@ from tpsim.learning.fit import seen_as_data, seen_by_frames
 from tpsim.learning.gmm import GMM
 from tpsim.learning.start import kmeans, standardised
 from tpsim.learning.statistics import Samples
-from tpsim.learning.subspace import Full, Structure
+from tpsim.learning.subspace import Full, Structure, structure_of
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 
 
@@ -28,14 +29,23 @@ def bic(model, *data) -> float:
     *data
         What ``model.log_likelihood`` takes.
     """
-    log_likelihood = model.log_likelihood(*data)
+    log_likelihood = _log_likelihood(model, data)
     return _bic(log_likelihood.sum(), model.free_parameters, log_likelihood.size)
 
 
 def aic(model, *data) -> float:
     """Akaike information criterion, 2 p - 2 log L; lower is better. Arguments as in :func:`bic`."""
-    log_likelihood = model.log_likelihood(*data)
+    log_likelihood = _log_likelihood(model, data)
     return _aic(log_likelihood.sum(), model.free_parameters, log_likelihood.size)
+
+
+def _log_likelihood(model, data: tuple) -> np.ndarray:
+    if not hasattr(model, "log_likelihood") or not hasattr(model, "free_parameters"):
+        raise ArgumentError(f"model is a {type(model).__name__}; give a GMM, TPGMM or PGMM")
+    found = np.asarray(model.log_likelihood(*data))
+    if found.size == 0:
+        raise ArgumentError("no samples were given; a criterion needs at least one")
+    return found
 
 
 def _bic(log_likelihood: float, parameters: int, samples: int) -> float:
@@ -134,12 +144,16 @@ def select_model(
     sampling rate at which the model will be used.
     """
     choice("criterion", criterion, _CRITERIA)
-    components, covariances = list(components), list(covariances)
-    if not components or not covariances:
+    counts = [components] if isinstance(components, int) else entries("components", components)
+    single = isinstance(covariances, str | Part)
+    structures = [covariances] if single else entries("covariances", covariances)
+    if not counts or not structures:
         raise ArgumentError("nothing to try; give at least one K and one covariance structure")
     tried = []
-    for covariance in covariances:
-        for K in components:
+    for one in structures:
+        covariance = one if isinstance(one, str) else structure_of(one)
+        for count in counts:
+            K = whole("components", count, least=1)
             model = fit(data, K, covariance=covariance, **options)
             total = float(model.history[-1] * model.samples)
             score = _CRITERIA[criterion](total, model.free_parameters, model.samples)

@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from tpsim.archive import Part
-from tpsim.checks import whole
+from tpsim.checks import shown, whole
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import symmetric
 from tpsim.learning.regularisation import Regularisation
@@ -226,14 +226,14 @@ FULL = Full()
 _BY_NAME = {"full": FULL, "diagonal": Diagonal(), "spherical": Spherical()}
 
 
-def structure_of(covariance: "str | Structure") -> Structure:
+def structure_of(covariance: object) -> Structure:
     """Structure by its name, ``"full"``, ``"diagonal"``, ``"spherical"``, or itself."""
-    if isinstance(covariance, Full | _Subspace):
+    if isinstance(covariance, Full | HDDC | MFA | MPPCA):
         return covariance
     if isinstance(covariance, str) and covariance in _BY_NAME:
         return _BY_NAME[covariance]
     raise ArgumentError(
-        f"covariance is {covariance!r}; give 'full', 'diagonal', 'spherical', HDDC(d), MFA(d) "
+        f"covariance is {shown(covariance)}; give 'full', 'diagonal', 'spherical', HDDC(d), MFA(d) "
         "or MPPCA(d)"
     )
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import Seed, frozen_array, instance, several
+from tpsim.checks import Seed, entries, frozen_array, instance, several
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
@@ -163,19 +163,22 @@ class TPGMM(Stored):
     def _checked_frames(
         self, frames: Sequence[Frame | None], prior: Gaussian | None
     ) -> list[Frame | None]:
-        frames = [frames] if isinstance(frames, Frame) else list(frames)
-        if len(frames) != len(self.frames):
+        given = [frames] if isinstance(frames, Frame) else entries("frames", frames, tables=False)
+        if len(given) != len(self.frames):
             raise ArgumentError(
-                f"{len(frames)} frames were given; the model has {len(self.frames)} (None where "
+                f"{len(given)} frames were given; the model has {len(self.frames)} (None where "
                 "one is not observed)"
             )
         dims = {instance("prior", prior, Gaussian).dim} if prior is not None else set()
         moving: set[tuple[int, ...]] = set()
-        for j, (frame, d) in enumerate(zip(frames, self.dims, strict=True)):
+        found: list[Frame | None] = []
+        for j, (frame, d) in enumerate(zip(given, self.dims, strict=True)):
             if frame is None:
+                found.append(None)
                 continue
             if not isinstance(frame, Frame):
-                instance(f"frame {j}", frame, Frame, "give Frame(A, b)")
+                frame = instance(f"frame {j}", frame, Frame, "give Frame(A, b)")
+            found.append(frame)
             *leading, D, local = frame.A.shape
             if local != d:
                 raise ArgumentError(
@@ -191,7 +194,7 @@ class TPGMM(Stored):
             )
         if len(moving) > 1:
             raise ArgumentError(f"the frames move in steps of {sorted(moving)}; all must agree")
-        return frames
+        return found
 
 
 def fit_tp_gmm(

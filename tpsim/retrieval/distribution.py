@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tpsim.agreement import agreed_with_warning
 from tpsim.archive import Stored
-from tpsim.checks import Seed, finite_array, frozen_array, generator, number, several, whole
+from tpsim.checks import Seed, finite_array, flag, frozen_array, generator, number, several, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
@@ -71,7 +71,7 @@ class TrajectoryDistribution(Stored):
         rng, size = generator("rng", rng), whole("size", size)
         z = rng.standard_normal((size, len(self.modes)))
         paths = self.mean + np.tensordot(z, self.modes, 1)
-        if noisy:
+        if flag("noisy", noisy):
             paths += Gaussian.trusted(np.zeros_like(self.mean), self.noise).sample(rng, size)
         return paths
 
@@ -82,8 +82,14 @@ class TrajectoryDistribution(Stored):
         T, D = self.mean.shape
         if not -T <= whole("step", step, least=-T) < T:
             raise ArgumentError(f"step is {step}; the trajectory has steps 0 to {T - 1}")
-        seen_as = np.broadcast_to(finite_array("covariance", covariance), (D, D))
-        to = Gaussian(finite_array("point", point), seen_as)
+        seen_as = finite_array("covariance", covariance)
+        if seen_as.shape not in ((), (D, D)):
+            raise ArgumentError(f"covariance has shape {seen_as.shape}; it must be ({D}, {D})")
+        seen_as = seen_as if seen_as.ndim else seen_as * np.ones((D, D))
+        at = finite_array("point", point)
+        if at.shape != (D,):
+            raise ArgumentError(f"point has shape {at.shape}; it must be ({D},)")
+        to = Gaussian(at, seen_as)
         seen = self.modes[:, step]
         total = self.noise[step] + to.covariance
         gain = seen @ inverse_spd(seen.T @ seen + total, "covariance at the step")

@@ -15,7 +15,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tpsim.archive import Stored
-from tpsim.checks import array_of, finite_array, frozen_array, matrix, number, stamps, whole
+from tpsim.checks import (
+    array_of,
+    finite_array,
+    frozen_array,
+    instance,
+    matrix,
+    number,
+    stamps,
+    whole,
+)
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 
@@ -108,6 +117,7 @@ def forcing_term(
     damping
         K_v of the damper [1/s].
     """
+    instance("motion", motion, Motion)
     s = finite_array("s", s)
     if s.shape != motion.position.shape[:1] or not (s > 0).all():
         raise ArgumentError(f"s {s.shape} must be ({len(motion.position)},) and positive")
@@ -122,6 +132,7 @@ def forcing_term(
 
 def attractor_path(motion: Motion, stiffness: float, damping: float) -> NDArray:
     """Attractor (T, D) whose spring and damper produce a motion: x + x' K_v/K_p + x''/K_p."""
+    instance("motion", motion, Motion)
     stiffness = number("stiffness", stiffness, above=0)
     drag = number("damping", damping, least=0) * motion.velocity + motion.acceleration
     return motion.position + drag / stiffness

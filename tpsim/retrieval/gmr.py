@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tpsim.archive import Stored
-from tpsim.checks import dimensions, finite_array, instance, number
+from tpsim.checks import FLOAT, dimensions, finite_array, instance, number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Dimensions, Gaussian, add_ridge, mixed_moments
 from tpsim.learning.gmm import GMM
@@ -122,7 +122,7 @@ class Regression(Stored):
         explained = covariance[..., inputs:, :inputs] @ whiten.swapaxes(-1, -2)
         linear = np.concatenate((whiten, explained @ whiten), axis=-2)
         conditional = covariance[..., inputs:, inputs:] - explained @ explained.swapaxes(-1, -2)
-        if ridge != 0:
+        if type(ridge) is not float or ridge != 0.0:
             conditional = add_ridge(conditional, number("ridge", ridge, least=0))
         diagonal = whiten.diagonal(axis1=-2, axis2=-1)
         log_scale = np.log(np.maximum(gmm.priors * np.multiply.reduce(diagonal, -1), _TINY))
@@ -138,7 +138,9 @@ class Regression(Stored):
         The mixture must have no leading axes: adapt it to the frames of this moment.
         """
         size, outputs = self.linear.shape[-1], self.covariance.shape[-1]
-        point = np.asarray(point, float).reshape(-1)
+        if type(point) is not np.ndarray or point.dtype is not FLOAT:
+            point = finite_array("point", point)
+        point = point.reshape(-1)
         if self.input_mean.ndim != 2 or len(point) != size or not point.dot(point) < _BEYOND**2:
             raise ArgumentError(
                 f"at() takes {size} finite values and a mixture without leading axes; got "

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import solve_triangular
 
 from tpsim.archive import Stored
-from tpsim.checks import column_or_matrix, frozen_array, instance, number
+from tpsim.checks import column_or_matrix, flag, frozen_array, instance, number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import LOG_2PI, Gaussian, cholesky, floor_eigenvalues
 from tpsim.retrieval.gp_kernel import SquaredExponential, likeliest_kernel, spread_of
@@ -175,7 +175,7 @@ def fit_gp(
         raise ArgumentError(
             f"inputs {inputs.shape} and outputs {outputs.shape} need the same, positive length"
         )
-    mean = outputs.mean(0) if center else np.zeros(outputs.shape[1])
+    mean = outputs.mean(0) if flag("center", center) else np.zeros(outputs.shape[1])
     if kernel is None:
         kernel = likeliest_kernel(inputs, outputs - mean)
     instance("kernel", kernel, SquaredExponential)

@@ -13,6 +13,7 @@ from tpsim.archive import Stored
 from tpsim.checks import (
     array_of,
     column_or_matrix,
+    entries,
     finite_array,
     frozen_array,
     instance,
@@ -87,6 +88,8 @@ class ProMP(Stored):
                 f"noise has shape {noise.shape}; give variances, not negative: a number, ({D},) "
                 f"or ({D}, {D})"
             )
+        if self.width is not None:
+            object.__setattr__(self, "width", number("width", self.width, above=0))
         object.__setattr__(self, "noise", noise if noise.ndim else float(noise))
 
     @property
@@ -214,7 +217,7 @@ def fit_promp(
     """
     if isinstance(trajectories, Demonstration):
         trajectories = [trajectories]
-    given = list(trajectories)
+    given = entries("trajectories", trajectories)
     if any(isinstance(one, Demonstration) for one in given):
         demonstrations = agreed_with_warning(several("demonstrations", given, Demonstration))
         paths, phases = [d.data for d in demonstrations], [phase(d.time) for d in demonstrations]

@@ -147,6 +147,8 @@ def trajectory_of_states(
         Keywords of :func:`trajectory`.
     """
     states = array_of("states", states)
+    if not isinstance(getattr(model, "gaussians", None), Gaussian):
+        raise ArgumentError(f"model is a {type(model).__name__}; give a GMM, HMM or HSMM")
     mean, covariance = model.gaussians.mean, model.gaussians.covariance
     components = mean.shape[-2]
     if states.ndim != 1 or not np.issubdtype(states.dtype, np.integer):

@@ -19,6 +19,7 @@ Seed = int | np.random.Generator | None
 
 FLOAT = np.dtype(np.float64)
 LARGEST = 1e100  # number whose powers and products stay finite
+HUGE = 1e153  # number whose square stays finite
 MOST = 10**9  # as many of anything nobody means
 FASTEST = 1e-100  # [s]: rates of change over shorter steps leave the range of floating point
 
@@ -32,11 +33,11 @@ def finite_array(name: str, value: object) -> Floats:
         Text, complex numbers, dates, masked or missing entries, ragged lists, NaN, infinity.
     """
     array = value if type(value) is np.ndarray and value.dtype is FLOAT else _floats(name, value)
-    if array.size and not np.abs(array).max() < LARGEST:
+    if array.size and not np.abs(array).max() < HUGE:
         if np.isfinite(array).all():
             raise ArgumentError(
                 f"{name} reaches {np.abs(array).max():.1e}, beyond the support of numbers whose "
-                f"products stay finite; change units to stay below {LARGEST:.0e}"
+                f"squares stay finite; change units to stay below {HUGE:.0e}"
             )
         raise ArgumentError(
             f"{name} is not finite: NaN or infinite entries, the first "

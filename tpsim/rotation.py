@@ -40,14 +40,21 @@ def skew(v: ArrayLike) -> np.ndarray:
 def exp(w: ArrayLike) -> np.ndarray:
     """Rotation matrices (..., 3, 3) of rotation vectors (..., 3) [rad]."""
     w = _shaped("rotation vectors", w, (3,))
-    return _scipy().from_rotvec(w.reshape(-1, 3)).as_matrix().reshape(*w.shape[:-1], 3, 3)
+    return (
+        _scipy().from_rotvec(_writable(w.reshape(-1, 3))).as_matrix().reshape(*w.shape[:-1], 3, 3)
+    )
 
 
 def log(R: ArrayLike) -> np.ndarray:
     """Rotation vectors (..., 3) [rad] of rotation matrices (..., 3, 3); angle in [0, pi]."""
     R = _shaped("rotations", R, (3, 3))
     try:
-        return _scipy().from_matrix(R.reshape(-1, 3, 3)).as_rotvec().reshape(*R.shape[:-2], 3)
+        return (
+            _scipy()
+            .from_matrix(_writable(R.reshape(-1, 3, 3)))
+            .as_rotvec()
+            .reshape(*R.shape[:-2], 3)
+        )
     except ValueError as error:
         raise ArgumentError(f"rotations hold a matrix that is none: {error}") from error
 
@@ -55,7 +62,7 @@ def log(R: ArrayLike) -> np.ndarray:
 def to_quaternion(R: ArrayLike) -> np.ndarray:
     """Unit quaternions (..., 4), w first, of rotation matrices (..., 3, 3)."""
     R = _matrices(R)
-    quaternion = _scipy().from_matrix(R.reshape(-1, 3, 3)).as_quat(scalar_first=True)
+    quaternion = _scipy().from_matrix(_writable(R.reshape(-1, 3, 3))).as_quat(scalar_first=True)
     return quaternion.reshape(*R.shape[:-2], 4)
 
 
@@ -68,7 +75,7 @@ def from_quaternion(quaternion: ArrayLike) -> np.ndarray:
             f"quaternions of zero length, the first {place(lost)}, say nothing about orientation; "
             "remove these samples"
         )
-    R = _scipy().from_quat(quaternion.reshape(-1, 4), scalar_first=True).as_matrix()
+    R = _scipy().from_quat(_writable(quaternion.reshape(-1, 4)), scalar_first=True).as_matrix()
     return R.reshape(*quaternion.shape[:-1], 3, 3)
 
 
@@ -117,7 +124,11 @@ def quaternions(
         )
     values = values[:, None] if values.ndim == 1 else values
     _check_rows(name, values, (len(convention),))
-    return _scipy().from_euler(convention, values, degrees=degrees).as_quat(scalar_first=True)
+    return (
+        _scipy()
+        .from_euler(convention, _writable(values), degrees=degrees)
+        .as_quat(scalar_first=True)
+    )
 
 
 def continuous(quaternions: ArrayLike) -> np.ndarray:
@@ -150,7 +161,7 @@ def warn_of_turns(name: str, quaternions: np.ndarray) -> None:
 
 def mean(R: ArrayLike) -> np.ndarray:
     """Mean rotation (3, 3) of rotation matrices (N, 3, 3): least sum of squared chordal errors."""
-    return _scipy().from_matrix(_matrices(R)).mean().as_matrix()
+    return _scipy().from_matrix(_writable(_matrices(R))).mean().as_matrix()
 
 
 def left_jacobian_inverse(w: ArrayLike) -> np.ndarray:
@@ -190,6 +201,11 @@ def tilt(R: ArrayLike, axis: ArrayLike = (0.0, 0.0, 1.0)) -> np.ndarray:
     # atan2 keeps its precision near zero, where arccos has none.
     sine = np.linalg.norm(np.cross(carried, axis), axis=-1)
     return np.arctan2(sine, carried @ axis)
+
+
+def _writable(values: np.ndarray) -> np.ndarray:
+    """The values, or a copy of read-only ones, which scipy does not take."""
+    return values if values.flags.writeable else values.copy()
 
 
 def _shaped(name: str, values: ArrayLike, last: tuple[int, ...]) -> np.ndarray:

@@ -139,7 +139,10 @@ class Regression(Stored):
         """
         size, outputs = self.linear.shape[-1], self.covariance.shape[-1]
         if type(point) is not np.ndarray or point.dtype is not FLOAT:
-            point = finite_array("point", point)
+            try:
+                point = finite_array("point", point)
+            except ArgumentError as error:
+                raise ArgumentError(f"at() takes {size} finite values; {error}") from error
         point = point.reshape(-1)
         if self.input_mean.ndim != 2 or len(point) != size or not point.dot(point) < _BEYOND**2:
             raise ArgumentError(

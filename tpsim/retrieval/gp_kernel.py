@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, solve_triangular
+from scipy.linalg import LinAlgError, cho_solve, solve_triangular
 
 from tpsim.archive import Part
 from tpsim.checks import finite_array, frozen_array
@@ -131,11 +131,33 @@ def _best_of_grid(squares: NDArray, outputs: NDArray, bounds: NDArray) -> NDArra
 def _ascend(squares: NDArray, y: NDArray, start: NDArray, bounds: NDArray) -> NDArray:
     from scipy.optimize import minimize
 
-    def cost(logs: NDArray) -> float:
-        return float(_profile(squares, y[:, None], *logs)[0][0])
+    def cost(logs: NDArray) -> tuple[float, NDArray]:
+        return _slope(squares, y, *logs)
 
-    found: NDArray = minimize(cost, start, method="L-BFGS-B", bounds=bounds).x
+    options = {"ftol": 1e-14, "gtol": 1e-9, "maxiter": 200}
+    found: NDArray = minimize(
+        cost, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options
+    ).x
     return found
+
+
+def _slope(squares: NDArray, y: NDArray, length: float, ratio: float) -> tuple[float, NDArray]:
+    """Cost of :func:`_profile` for one output (N,), and its gradient."""
+    scaled = squares / np.exp(2 * length)
+    correlation = np.exp(-0.5 * scaled)
+    noise = np.exp(ratio)
+    try:
+        inverse = cho_solve(
+            (np.linalg.cholesky(correlation + noise * np.eye(len(y))), True), np.eye(len(y))
+        )
+    except LinAlgError:
+        return 1e12, np.zeros(2)
+    cost, variance = _profile(squares, y[:, None], length, ratio)
+    alpha = inverse @ y
+    bend = correlation * scaled
+    fit = np.array([alpha @ bend @ alpha, noise * (alpha @ alpha)]) / variance[0]
+    size = np.array([(inverse * bend).sum(), noise * np.trace(inverse)])
+    return float(cost[0]), 0.5 * (size - fit)
 
 
 def _profile(

@@ -41,12 +41,8 @@ class HiddenStates(Stored):
     history: np.ndarray = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
-        for name, value, kind in (
-            ("chain", self.chain, Chain),
-            ("emissions", self.emissions, Emissions),
-        ):
-            if not isinstance(value, kind):
-                raise ArgumentError(f"{name} is a {type(value).__name__}; give one of {kind}")
+        if not isinstance(self.chain, Chain) or not isinstance(self.emissions, Emissions):
+            raise ArgumentError("give a (semi-)Markov chain, and emissions: a GMM or a TPGMM")
         object.__setattr__(self, "history", frozen_array("history", self.history))
         if self.emissions.components != len(self.chain.initial):
             raise ArgumentError(
@@ -262,13 +258,8 @@ def _mixture(
 
 def _have_views(sequences: Sequences) -> bool:
     """Whether these are demonstrations with something that their frames saw."""
-    if isinstance(sequences, Demonstration):
-        return bool(sequences.observations)
-    return (
-        isinstance(sequences, list | tuple)
-        and len(sequences) > 0
-        and all(isinstance(s, Demonstration) and s.observations for s in sequences)
-    )
+    some = sequences if isinstance(sequences, list | tuple) else [sequences]
+    return bool(some) and all(isinstance(s, Demonstration) and s.observations for s in some)
 
 
 def _seen(sequences: Sequences, components: int, start: Emissions) -> Seen:

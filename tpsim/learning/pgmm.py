@@ -187,10 +187,9 @@ def fit_pgmm(
         task_ridge = number("task_ridge", task_ridge, least=0)
     bound("tolerance", tolerance)
     whole("max_iterations", max_iterations)
-    arrays, Q = _checked(
-        [sequences] if isinstance(sequences, Demonstration) else entries("sequences", sequences),
-        parameters,
-    )
+    single = isinstance(sequences, Demonstration)
+    given = [sequences] if single else entries("sequences", sequences)
+    arrays, Q = _checked(given, parameters)
     if not isinstance(start, GMM):
         start = fit_gmm(arrays, components, start=start, ridge=ridge, rng=rng)
     data = np.concatenate(arrays)

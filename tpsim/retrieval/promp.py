@@ -11,10 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from tpsim.agreement import agreed_with_warning
 from tpsim.archive import Stored
 from tpsim.checks import (
-    array_of,
     column_or_matrix,
     entries,
-    finite_array,
     frozen_array,
     instance,
     number,
@@ -26,37 +24,13 @@ from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian, add_ridge, cholesky
 from tpsim.learning.product import product_of_frames
+from tpsim.retrieval.basis import radial_basis as radial_basis
+from tpsim.retrieval.basis import regress
 from tpsim.retrieval.distribution import LEAST, TrajectoryDistribution
 from tpsim.retrieval.least import least_variances
 from tpsim.timeline import phase
 
 STEP = 1e-3  # of the spread of a coordinate: noise of a single sample
-STIFF = 1e-6  # of the samples that a basis function has: how much neighbouring weights agree
-
-
-def radial_basis(steps: int | ArrayLike, count: int, width: float | None = None) -> NDArray:
-    """Radial basis functions (T, K) over the phase 0..1, summing to one at every step.
-
-    Parameters
-    ----------
-    steps
-        Number of evenly spaced time steps T, or the phases (T,) themselves.
-    count
-        Number of functions K, centred from phase 0 to 1.
-    width
-        Standard deviation of each, in phase; by default the distance between centres.
-    """
-    if array_of("steps", steps).ndim == 0:
-        at = np.linspace(0, 1, whole("steps", steps, least=1))
-    else:
-        at = finite_array("steps", steps)
-        if at.ndim != 1 or len(at) == 0:
-            raise ArgumentError(f"steps have shape {at.shape}; give a number, or phases (T,)")
-    count = whole("count", count, least=1)
-    width = 1 / max(count - 1, 1) if width is None else number("width", width, above=0)
-    log = -0.5 * ((at[:, None] - np.linspace(0, 1, count)) / width) ** 2
-    basis = np.exp(log - log.max(1, keepdims=True))
-    return basis / basis.sum(1, keepdims=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,7 +218,7 @@ def _fit_promp(
     weight_ridge = None if weight_ridge is None else number("weight_ridge", weight_ridge, above=0)
     noise = None if noise is None else number("noise", noise, least=0)
     bases = [radial_basis(at, count, width) for at in phases]
-    fits = [_regress(path, basis, ridge) for path, basis in zip(paths, bases, strict=True)]
+    fits = [regress(path, basis, ridge) for path, basis in zip(paths, bases, strict=True)]
     mean = np.mean(fits, axis=0)
     apart = np.array(fits) - mean
     local = (apart**2).sum(0) / max(len(paths) - 1, 1)
@@ -303,14 +277,3 @@ def fit_tp_promp(
     views = zip(*(d.observations for d in given), strict=True)
     options = width, ridge, weight_ridge, noise
     return TPProMP(tuple(_fit_promp(list(view), phases, count, *options) for view in views))
-
-
-def _regress(path: NDArray, basis: NDArray, ridge: float | None) -> NDArray:
-    """Weights (K, D) of one trajectory (T, D) in basis functions (T, K)."""
-    normal = basis.T @ basis
-    if ridge is not None:
-        return np.linalg.solve(add_ridge(normal, ridge), basis.T @ path)
-    centre = path.mean(0)
-    apart = np.diff(np.eye(normal.shape[0]), axis=0)
-    normal = normal + STIFF * np.trace(normal) / len(normal) * (apart.T @ apart)
-    return np.linalg.solve(normal, basis.T @ (path - centre)) + centre

@@ -188,7 +188,7 @@ def fit_pgmm(
     bound("tolerance", tolerance)
     whole("max_iterations", max_iterations)
     single = isinstance(sequences, Demonstration)
-    given = [sequences] if single else entries("sequences", sequences)
+    given: list[object] = [sequences] if single else entries("sequences", sequences)
     arrays, Q = _checked(given, parameters)
     if not isinstance(start, GMM):
         start = fit_gmm(arrays, components, start=start, ridge=ridge, rng=rng)

@@ -3,6 +3,9 @@
 From S. Calinon, "A Tutorial on Task-Parameterized Movement Learning and Retrieval" (2016).
 """
 
+from tpsim import rotation as rotation
+from tpsim.agreement import agree as agree
+from tpsim.archive import load as load
 from tpsim.control import projection as projection
 from tpsim.control.feedback import Feedback as Feedback
 from tpsim.control.feedback import Plan as Plan
@@ -20,6 +23,8 @@ from tpsim.control.spring import spring_damper as spring_damper
 from tpsim.control.system import LinearSystem as LinearSystem
 from tpsim.control.system import integrator as integrator
 from tpsim.demonstration import Demonstration as Demonstration
+from tpsim.errors import ArgumentError as ArgumentError
+from tpsim.errors import DataWarning as DataWarning
 from tpsim.errors import TpsimError as TpsimError
 from tpsim.frame import Frame as Frame
 from tpsim.gaussian import Gaussian as Gaussian
@@ -71,9 +76,9 @@ from tpsim.retrieval.gmr import Regression as Regression
 from tpsim.retrieval.gmr import gmr as gmr
 from tpsim.retrieval.gmr import gmr_mixture as gmr_mixture
 from tpsim.retrieval.gp import GaussianProcess as GaussianProcess
-from tpsim.retrieval.gp import SquaredExponential as SquaredExponential
 from tpsim.retrieval.gp import fit_gp as fit_gp
 from tpsim.retrieval.gp_gmm import fit_gp_gmm as fit_gp_gmm
+from tpsim.retrieval.gp_kernel import SquaredExponential as SquaredExponential
 from tpsim.retrieval.lwr import lwr as lwr
 from tpsim.retrieval.promp import ProMP as ProMP
 from tpsim.retrieval.promp import TPProMP as TPProMP

@@ -12,9 +12,9 @@ def fit_movement(demonstrations: Sequence[Demonstration]) -> TPGMR | TPTrajector
     """Learn a movement that adapts to frames; everything is chosen by the demonstrations.
 
     Of the members of the TP-GMM family that generalise, over [t, x] (:func:`fit_tp_gmr`) and over
-    [x, dx, ddx] (:func:`fit_tp_trajectory`), each with covariances shrunk towards equal spread
-    and its own number of components, the one that best predicts demonstrations that are left out
-    of the fit. Fewer than three demonstrations leave no choice: the trajectory model is taken.
+    [t, x, dx] (:func:`fit_tp_trajectory`), each with covariances shrunk towards equal spread and
+    its own number of components, the one that best predicts demonstrations that are left out of
+    the fit. Fewer than three demonstrations leave no choice: the trajectory model is taken.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
 from tpsim.learning.gmm import GMM
 from tpsim.learning.subspace import HDDC, MFA, MPPCA, Structure
-from tpsim.learning.tp_gmm import fit_tp_gmm
+from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.retrieval.distribution import (
     TPTrajectoryDistribution,
     fit_tp_trajectory_distribution,
@@ -20,13 +20,13 @@ from tpsim.retrieval.distribution import (
 )
 from tpsim.retrieval.fit_movement import fit_movement
 from tpsim.retrieval.fit_tp_gmr import fit_tp_gmr
-from tpsim.retrieval.fit_tp_trajectory import fit_tp_trajectory
 from tpsim.retrieval.gmr import gmr
 from tpsim.retrieval.gp import SquaredExponential, fit_gp
 from tpsim.retrieval.kmp import KMP
 from tpsim.retrieval.lwr import lwr
 from tpsim.retrieval.promp import TPProMP, fit_tp_promp
 from tpsim.retrieval.tp_gmr import Order
+from tpsim.retrieval.trajectory import trajectory_of_states
 from tpsim.section8.method import Frames, Learned, Method, times_of
 
 COMPONENTS = 6
@@ -71,9 +71,17 @@ tp_mppca = tp_gmr_with(MPPCA(1))
 
 
 def tp_trajectory_gmm(demonstrations: list[Demonstration]) -> Learned:
-    """TP-GMM over position, velocity and acceleration, full covariances (Fig. 12, third row)."""
-    movement = fit_tp_trajectory(demonstrations, COMPONENTS, shrunk=False)
-    return Learned(movement, movement.model.free_parameters)
+    """TP-GMM over position, velocity and acceleration, without time (Fig. 12, third row)."""
+    moving = [d.with_derivatives(2) for d in demonstrations]
+    model = fit_tp_gmm(moving, COMPONENTS, start="time")
+    times = times_of(demonstrations)
+    states = _states(model, moving)
+
+    def retrieve(frames: Frames) -> Gaussian:
+        lifted = [frame if frame is None else frame.with_derivatives(2) for frame in frames]
+        return trajectory_of_states(model.adapt(lifted), states, float(times[1]))
+
+    return Learned(retrieve, model.free_parameters)
 
 
 def tp_lqt(demonstrations: list[Demonstration]) -> Learned:
@@ -81,7 +89,7 @@ def tp_lqt(demonstrations: list[Demonstration]) -> Learned:
     moving = [d.with_derivatives(1) for d in demonstrations]
     model = fit_tp_gmm(moving, COMPONENTS, start="time")
     times = times_of(demonstrations)
-    states = model.responsibilities(moving).reshape(len(moving), len(times), -1).mean(0).argmax(1)
+    states = _states(model, moving)
     system = integrator(demonstrations[0].data.shape[1], float(times[1]))
 
     def retrieve(frames: Frames) -> NDArray:
@@ -150,6 +158,13 @@ def tp_trajectory_distribution(demonstrations: list[Demonstration]) -> Learned:
         return part.adapt([frames[j] for j in seen]).marginal()
 
     return Learned(retrieve, sum(v.mean.size + v.modes.size for v in model.frames))
+
+
+def _states(model: TPGMM, demonstrations: Sequence[Demonstration]) -> NDArray:
+    """Likeliest component (T,) of every step, of all demonstrations together."""
+    share = model.responsibilities(demonstrations)
+    each = share.reshape(len(demonstrations), -1, model.components)
+    return np.asarray(each.mean(0).argmax(1))
 
 
 def _samples(

@@ -87,4 +87,4 @@ def _library(name: str) -> ModuleType:
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        raise ArgumentError(f"skipped: pip install {package}") from error
+        raise ArgumentError(f"skipped, {error}: pip install {package}") from error

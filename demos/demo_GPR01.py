@@ -5,8 +5,8 @@ movement, because nothing in them knows what a frame is.
 """
 
 from tpsim.examples import u_demonstrations
-from tpsim.experiment.compare import measure, situations
-from tpsim.experiment.methods import gpr, gpr_gmm
+from tpsim.section8.planar import measure, situations
+from tpsim.section8.without_frames import gpr, gpr_gmm
 
 
 def retrieve():
@@ -22,7 +22,7 @@ def retrieve():
 def main() -> dict:
     _, tasks, paths = retrieve()
     return {
-        f"{name}_end_error_{where}": measure(paths[name][n], tasks[n])["end_error"]
+        f"{name}_end_error_{where}": measure(paths[name][n], tasks[n])["end"]
         for name in paths
         for where, n in (("near", 0), ("far", -1))
     }

@@ -6,7 +6,7 @@ and with what acceleration, and the most likely trajectory agrees with all three
 
 from tpsim import fit_tp_gmm, trajectory_of_states
 from tpsim.examples import u_demonstrations
-from tpsim.experiment.compare import measure, situations
+from tpsim.section8.planar import measure, situations
 
 
 def retrieve():
@@ -25,8 +25,8 @@ def main() -> dict:
     _, tasks, paths = retrieve()
     figures = [measure(path, task) for path, task in zip(paths, tasks, strict=True)]
     return {
-        "end_errors": [f["end_error"] for f in figures],
-        "entry_angles": [f["entry_angle"] for f in figures],
+        "end_errors": [f["end"] for f in figures],
+        "entry_angles": [f["direction"] for f in figures],
     }
 
 

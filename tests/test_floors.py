@@ -17,6 +17,7 @@ FLOORS = (
     "sim",
     "tasks",
     ("experiment", "bench"),
+    "section8",
     "cli",
 )
 SIMULATION = {"mujoco", "pinocchio", "mink", "dm_control", "dm_env"}

@@ -58,8 +58,10 @@ class TPGMR:
     def _plain(self, frames: Sequence[Frame | None]) -> bool:
         """Whether the regressions that are remembered answer for these frames."""
         dims = [None if frame is None else frame.local_dim + 1 for frame in frames]
-        return len(dims) == len(self.model.dims) and set(dims) != {None} and all(
-            d in (None, dim) for d, dim in zip(dims, self.model.dims, strict=True)
+        return (
+            len(dims) == len(self.model.dims)
+            and set(dims) != {None}
+            and all(d in (None, dim) for d, dim in zip(dims, self.model.dims, strict=True))
         )
 
     @cached_property

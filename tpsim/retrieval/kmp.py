@@ -70,7 +70,10 @@ class KMP:
         point = finite_array("point", point)
         wanted = Gaussian(point, np.broadcast_to(covariance, (len(point), len(point))))
         if point.shape != (self.reference.dim,) or not np.isfinite(input):
-            raise ArgumentError(f"point {point.shape} must be ({self.reference.dim},), input finite")
+            raise ArgumentError(
+                f"point has shape {point.shape} and input is {input}; they must be "
+                f"({self.reference.dim},) and finite"
+            )
         apart = np.abs(self.inputs - input)
         spacing = np.median(np.diff(np.sort(self.inputs))) if len(self.inputs) > 1 else 0.0
         kept = apart > 0.5 * spacing

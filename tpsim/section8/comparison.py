@@ -73,7 +73,7 @@ def compare(
         "json": folder / "comparison.json",
         "report": folder / "report.html",
     }
-    result = {"methods": results.summary(), "plan": asdict(plan), "paths": paths}
+    result: dict[str, object] = {"methods": results.summary(), "plan": asdict(plan), "paths": paths}
     tables.write_json(folder / "comparison.json", result)
     write_comparison_report(folder / "report.html", results, drawn, command)
     return result
@@ -118,4 +118,3 @@ def _check(methods: Mapping[str, Method], plan: Plan) -> None:
             f"the plan has counts {plan.counts}, {plan.situations} situations and {plan.samples} "
             "samples; the least are 1, 1 and 4"
         )
-

@@ -1,6 +1,7 @@
 """Methods that see a movement from every frame: Figs 12 and 13, and their relatives."""
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +28,9 @@ from tpsim.retrieval.lwr import lwr
 from tpsim.retrieval.promp import TPProMP, fit_tp_promp
 from tpsim.retrieval.tp_gmr import Order
 from tpsim.retrieval.trajectory import trajectory_of_states
-from tpsim.section8.method import Frames, Learned, Method, times_of
+from tpsim.section8.method import Frames, Learned, Method, times_of, views_of
+
+View = TypeVar("View")
 
 COMPONENTS = 6
 """Number of components where a method does not choose it itself."""
@@ -139,9 +142,8 @@ def tp_promp(demonstrations: list[Demonstration]) -> Learned:
     steps = len(times_of(demonstrations))
 
     def retrieve(frames: Frames) -> Gaussian:
-        seen = _seen(frames)
-        part = TPProMP(tuple(model.frames[j] for j in seen))
-        return part.adapt([frames[j] for j in seen]).distribution(steps).marginal()
+        learned, seen = _seen(model.frames, frames)
+        return TPProMP(learned).adapt(seen).distribution(steps).marginal()
 
     dims = [frame.weights.dim for frame in model.frames]
     return Learned(retrieve, sum(n * (n + 3) // 2 for n in dims))
@@ -153,9 +155,8 @@ def tp_trajectory_distribution(demonstrations: list[Demonstration]) -> Learned:
     model = fit_tp_trajectory_distribution(demonstrations, modes, noise=1e-2)
 
     def retrieve(frames: Frames) -> Gaussian:
-        seen = _seen(frames)
-        part = TPTrajectoryDistribution(tuple(model.frames[j] for j in seen))
-        return part.adapt([frames[j] for j in seen]).marginal()
+        learned, seen = _seen(model.frames, frames)
+        return TPTrajectoryDistribution(learned).adapt(seen).marginal()
 
     return Learned(retrieve, sum(v.mean.size + v.modes.size for v in model.frames))
 
@@ -172,19 +173,20 @@ def _samples(
 ) -> tuple[NDArray, list[NDArray], NDArray]:
     """Times of all samples (N,), what each frame saw (N, d_j), and the times to retrieve (T,)."""
     time = np.concatenate([d.time for d in demonstrations])
-    views = zip(*(d.observations for d in demonstrations), strict=True)
+    views = zip(*(views_of(d) for d in demonstrations), strict=True)
     return time, [np.concatenate(view) for view in views], times_of(demonstrations)
 
 
 def _stored(demonstrations: Sequence[Demonstration]) -> int:
     """Numbers that a method keeps that keeps all samples."""
-    return sum(d.time.size + sum(o.size for o in d.observations) for d in demonstrations)
+    return sum(d.time.size + sum(view.size for view in views_of(d)) for d in demonstrations)
 
 
-def _seen(frames: Frames) -> list[int]:
-    return [j for j, frame in enumerate(frames) if frame is not None]
+def _seen(learned: Sequence[View], frames: Frames) -> tuple[tuple[View, ...], list[Frame]]:
+    """What was learned in the frames that are observed, and these frames."""
+    pairs = [(v, f) for v, f in zip(learned, frames, strict=True) if f is not None]
+    return tuple(view for view, _ in pairs), [frame for _, frame in pairs]
 
 
 def _fuse(local: Sequence[Gaussian], frames: Frames) -> Gaussian:
-    pairs = [(v, f) for v, f in zip(local, frames, strict=True) if isinstance(f, Frame)]
-    return fuse_frames([view for view, _ in pairs], [frame for _, frame in pairs])
+    return fuse_frames(*_seen(local, frames))

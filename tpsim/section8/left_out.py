@@ -93,7 +93,7 @@ def compare_left_out(
         "json": folder / "comparison.json",
         "report": folder / "report.html",
     }
-    result = {"methods": summary, "demonstrations": len(trials), "paths": paths}
+    result: dict[str, object] = {"methods": summary, "demonstrations": len(trials), "paths": paths}
     tables.write_json(folder / "comparison.json", result)
     write_report(
         folder / "report.html",

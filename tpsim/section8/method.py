@@ -23,6 +23,8 @@ Retrieve = Callable[[Frames], Path]
 Method = Callable[[list[Demonstration]], Retrieve]
 """Learns from demonstrations on one clock (:func:`tpsim.retrieval.clock.on_one_clock`)."""
 
+RIDGE = 1e-6  # of where a movement starts and ends [m^2]
+
 
 @dataclass(frozen=True, eq=False)
 class Learned:
@@ -55,13 +57,14 @@ class Anchor:
     views: tuple[tuple[int, Gaussian], ...]
 
     @classmethod
-    def at(cls, demonstrations: Sequence[Demonstration], step: int, ridge: float = 1e-6) -> "Anchor":
+    def at(cls, demonstrations: Sequence[Demonstration], step: int) -> "Anchor":
         """Find the frame in which demonstrations are closest together at a step."""
         views = []
         for j in range(len(demonstrations[0].frames)):
-            points = np.array([d.observations[j][step] for d in demonstrations])
+            points = np.array([views_of(d)[j][step] for d in demonstrations])
             apart = points - points.mean(0)
-            covariance = apart.T @ apart / max(len(points) - 1, 1) + ridge * np.eye(points.shape[1])
+            covariance = apart.T @ apart / max(len(points) - 1, 1)
+            covariance += RIDGE * np.eye(points.shape[1])
             scale = np.mean([np.linalg.norm(d.frames[j].A) ** 2 for d in demonstrations])
             views.append((scale * np.trace(covariance), j, Gaussian(points.mean(0), covariance)))
         ordered = sorted(views, key=lambda view: view[0])
@@ -73,6 +76,11 @@ class Anchor:
             if (frame := frames[j]) is not None:
                 return gaussian.affine(frame.A, frame.b)
         raise ArgumentError("all frames are None; at least one must be observed")
+
+
+def views_of(demonstration: Demonstration) -> tuple[NDArray, ...]:
+    """What each frame saw, (T, d_j)."""
+    return demonstration.observations or ()
 
 
 def times_of(demonstrations: Sequence[Demonstration]) -> NDArray:

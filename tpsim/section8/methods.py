@@ -38,8 +38,21 @@ METHODS: dict[str, Method] = {
 }
 """Methods of Section 8 and of Figs 12 to 14, their relatives, and other people's libraries."""
 
-PICTURED = ("TP-GMM", "TP-GMR", "TP-GMR product", "TP-MFA", "TP-trajGMM", "TP-GP", "TP-LWR")
-PICTURED += ("TP-ProMP", "KMP", "GPR", "GPR-GMM", "PGMM", "DMP")
+PICTURED = (
+    "TP-GMM",
+    "TP-GMR",
+    "TP-GMR product",
+    "TP-MFA",
+    "TP-trajGMM",
+    "TP-GP",
+    "TP-LWR",
+    "TP-ProMP",
+    "KMP",
+    "GPR",
+    "GPR-GMM",
+    "PGMM",
+    "DMP",
+)
 """Methods that the picture in the layout of Figs 12 to 14 shows."""
 
 

@@ -1,6 +1,7 @@
 """Other people's libraries on the same data, where they are installed."""
 
 import importlib
+import itertools
 from types import ModuleType
 
 import numpy as np
@@ -11,20 +12,21 @@ from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.retrieval.distribution import fuse_frames
 from tpsim.section8.in_frames import BASIS, COMPONENTS
-from tpsim.section8.method import Anchor, Frames, Learned, times_of
+from tpsim.section8.method import Anchor, Frames, Learned, times_of, views_of
 
 
 def gmr_library(demonstrations: list[Demonstration]) -> Learned:
     """TP-GMM by the package gmr: one mixture over [t, all views], regression, then our product."""
     gmr = _library("gmr")
     times = times_of(demonstrations)
-    views = [np.concatenate(v) for v in zip(*(d.observations for d in demonstrations), strict=True)]
+    parts = zip(*(views_of(d) for d in demonstrations), strict=True)
+    views = [np.concatenate(part) for part in parts]
     time = np.concatenate([d.time for d in demonstrations])
     mixture = gmr.GMM(COMPONENTS, random_state=0)
     mixture.from_samples(np.column_stack([time, *views]), init_params="kmeans++")
     ends = np.cumsum([1, *(view.shape[1] for view in views)])
     local = []
-    for first, last in zip(ends[:-1], ends[1:], strict=True):
+    for first, last in itertools.pairwise(ends):
         dims = [0, *range(first, last)]
         covariances = mixture.covariances[:, dims][:, :, dims]
         part = gmr.GMM(COMPONENTS, mixture.priors, mixture.means[:, dims], covariances)

@@ -122,7 +122,8 @@ def _curves(results: Results, at: np.ndarray, curves: np.ndarray) -> Figure:
             continue
         axis.fill_between(at, low, high, color=coloured[name], alpha=0.18, lw=0)
         axis.plot(at, mean, color=coloured[name], lw=1.8, marker="o", ms=3, label=name)
-    axis.legend(
-        loc="center left", bbox_to_anchor=(1, 0.5), frameon=False, fontsize=8, labelcolor=INK
-    )
+    if axis.get_legend_handles_labels()[1]:
+        axis.legend(
+            loc="center left", bbox_to_anchor=(1, 0.5), frameon=False, fontsize=8, labelcolor=INK
+        )
     return figure

@@ -18,7 +18,11 @@ Cell = tuple[str, int, int]
 
 
 def run(
-    plan: Plan, methods: Mapping[str, Method], folder: Path, workers: int = 1, progress: bool = False
+    plan: Plan,
+    methods: Mapping[str, Method],
+    folder: Path,
+    workers: int = 1,
+    progress: bool = False,
 ) -> dict[Cell, Trial]:
     """Perform every cell of a plan that the folder does not hold yet, and read the others.
 
@@ -100,5 +104,3 @@ def _stored(plan: Plan, methods: Mapping[str, Method], folder: Path, cell: Cell)
 def _file(folder: Path, cell: Cell) -> Path:
     family, count, seed = cell
     return folder / "cells" / f"{family.replace(' ', '-')}-{count}-demonstrations-seed-{seed}.npz"
-
-

@@ -45,8 +45,10 @@ def bootstrap(values: NDArray, *, median: bool = False, seed: int = 0) -> Estima
         return Estimate(middle(values, axis=1), low, high)
 
 
-def ratio_to_best(values: NDArray, seed: int = 0) -> tuple[int, Estimate]:
+def ratio_to_best(values: NDArray, seed: int = 0) -> tuple[int | None, Estimate]:
     """Best method, and the mean of every other relative to its own, with paired intervals.
+
+    None where every method failed.
 
     Parameters
     ----------
@@ -54,6 +56,8 @@ def ratio_to_best(values: NDArray, seed: int = 0) -> tuple[int, Estimate]:
         A figure of m methods in n situations, lower is better.
     """
     means = values.mean(1)
+    if not np.isfinite(means).any():
+        return None, Estimate(means, means, means)
     best = int(np.nanargmin(means))
     rng = np.random.default_rng(seed)
     chosen = rng.integers(values.shape[1], size=(RESAMPLES, values.shape[1]))

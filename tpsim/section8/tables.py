@@ -15,6 +15,8 @@ from tpsim.whole import write_text
 
 DASH = "–"
 
+Row = dict[str, str]
+
 
 def write_csv(path: Path, rows: Sequence[Mapping[str, object]]) -> Path:
     """Write rows of equal keys; NaN, where a method has no such figure, is left empty."""
@@ -31,7 +33,7 @@ def write_json(path: Path, result: Mapping[str, object]) -> Path:
     return write_text(path, json.dumps(plain(result), indent=1, allow_nan=False) + "\n")
 
 
-def main_table(results: Results) -> list[dict[str, object]]:
+def main_table(results: Results) -> list[Row]:
     """One row per method of the headline: rms by distance, then the other figures."""
     family, count = results.headline
     rank, wins = results.ranks(family, count)
@@ -64,7 +66,7 @@ def main_table(results: Results) -> list[dict[str, object]]:
     ]
 
 
-def family_table(results: Results, figure: str = "rms") -> list[dict[str, object]]:
+def family_table(results: Results, figure: str = "rms") -> list[Row]:
     """One row per method: a figure at the farthest distance, by family and demonstrations."""
     far = results.plan.distances[-1]
     columns = {
@@ -78,13 +80,14 @@ def family_table(results: Results, figure: str = "rms") -> list[dict[str, object
     ]
 
 
-def ratio_table(results: Results) -> list[dict[str, object]]:
+def ratio_table(results: Results) -> list[Row]:
     """One row per method: rms relative to the best method, by distance, with paired intervals."""
     family, count = results.headline
     columns = {}
     for d in results.plan.distances:
         best, ratios = ratio_to_best(results.values(family, count, d, "rms"))
-        columns[f"{d:g}x (best: {results.methods[best]})"] = ratios
+        name = "none" if best is None else results.methods[best]
+        columns[f"{d:g}x (best: {name})"] = ratios
     return [
         {"method": name} | {title: interval(e, m, 2) for title, e in columns.items()}
         for m, name in enumerate(results.methods)

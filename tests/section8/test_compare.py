@@ -124,6 +124,27 @@ def test_left_out_demonstrations_are_predicted(tmp_path):
     assert (tmp_path / "report.html").is_file()
 
 
+@pytest.mark.parametrize("D", [1, 3])
+def test_any_dimension_is_compared(D, tmp_path):
+    """On a line and in space, with a frame that is given at every step."""
+    rng, taught = np.random.default_rng(0), []
+    for _ in range(3):
+        start, goal = rng.normal(size=(2, D))
+        progress = np.linspace(0, 1, 20)[:, None] ** 2
+        frames = [
+            Frame(np.eye(D), start),
+            Frame(np.tile(np.eye(D), (20, 1, 1)), np.tile(goal, (20, 1))),
+        ]
+        taught.append(
+            Demonstration(2 * progress[:, 0] ** 0.5, start + progress * (goal - start), frames)
+        )
+    methods = {name: METHODS[name] for name in ("TP-GMM", "TP-GMR", "TP-LWR", "DMP")}
+    result = compare_left_out(taught, methods, folder=tmp_path)
+    for name in ("TP-GMM", "TP-GMR", "DMP"):
+        assert "reason" not in result["methods"][name]
+        assert result["methods"][name]["end"] < (0.5 if name == "DMP" else 0.2)
+
+
 def test_bad_demonstrations_are_refused():
     taught = u_demonstrations(2, 20)
     with pytest.raises(ArgumentError, match="at least 2"):

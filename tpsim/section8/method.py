@@ -51,9 +51,12 @@ class Anchor:
 
     Parameters
     ----------
-    views : for every frame, its point (d,) and covariance (d, d), the narrowest first.
+    step : int
+        0 for the start, -1 for the end; where frames move, they are taken there.
+    views : for every frame, its number, point (d,) and covariance (d, d), the narrowest first.
     """
 
+    step: int
     views: tuple[tuple[int, Gaussian], ...]
 
     @classmethod
@@ -65,17 +68,25 @@ class Anchor:
             apart = points - points.mean(0)
             covariance = apart.T @ apart / max(len(points) - 1, 1)
             covariance += RIDGE * np.eye(points.shape[1])
-            scale = np.mean([np.linalg.norm(d.frames[j].A) ** 2 for d in demonstrations])
-            views.append((scale * np.trace(covariance), j, Gaussian(points.mean(0), covariance)))
+            size = np.mean(
+                [np.linalg.norm(_then(d.frames[j], step).A) ** 2 for d in demonstrations]
+            )
+            views.append((size * np.trace(covariance), j, Gaussian(points.mean(0), covariance)))
         ordered = sorted(views, key=lambda view: view[0])
-        return cls(tuple((j, gaussian) for _, j, gaussian in ordered))
+        return cls(step, tuple((j, gaussian) for _, j, gaussian in ordered))
 
     def __call__(self, frames: Frames) -> Gaussian:
         """Point (D,) of a new situation, with its covariance, by the best frame that is seen."""
         for j, gaussian in self.views:
             if (frame := frames[j]) is not None:
-                return gaussian.affine(frame.A, frame.b)
+                then = _then(frame, self.step)
+                return gaussian.affine(then.A, then.b)
         raise ArgumentError("all frames are None; at least one must be observed")
+
+
+def _then(frame: Frame, step: int) -> Frame:
+    """Frame at a step, where it moves."""
+    return frame[step] if frame.shape else frame
 
 
 def views_of(demonstration: Demonstration) -> tuple[NDArray, ...]:

@@ -5,10 +5,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from tpsim.demonstration import Demonstration
 from tpsim.experiment.canvas import INK, PALETTE, new_figure
-from tpsim.experiment.plane import draw_demonstrations, draw_frames, draw_path
+from tpsim.experiment.plane import draw_frames, draw_path
 from tpsim.gaussian import Gaussian
 from tpsim.section8.families import Situation
 from tpsim.section8.method import Method, Path
@@ -56,20 +57,29 @@ def _draw(
     path: Path | None,
     reason: str,
 ) -> None:
-    draw_demonstrations(axis, demonstrations)
-    truth = situation.truth.data
-    if isinstance(path, Gaussian):
-        draw_path(axis, path.marginal([0, 1]), every=5)
-    elif path is not None:
-        axis.plot(*np.asarray(path)[:, :2].T, color=PALETTE[0], lw=1.8)
-    else:
+    truth = _plane(situation.truth.data)
+    taught = [_plane(demonstration.data) for demonstration in demonstrations]
+    for line in taught:
+        axis.plot(*line.T, color=INK, lw=0.6, alpha=0.3)
+    axis.plot(*truth.T, color=INK, lw=0.8, ls=(0, (3, 2)))
+    if path is None:
         axis.text(0.5, 0.5, reason[:40], fontsize=5, ha="center", transform=axis.transAxes)
-    axis.plot(*truth[:, :2].T, color=INK, lw=0.8, ls=(0, (3, 2)))
-    draw_frames(axis, [frame for frame in situation.frames if frame is not None])
-    shown = np.vstack([truth[:, :2], *(d.data[:, :2] for d in demonstrations)])
-    low, high = shown.min(0) - 0.3, shown.max(0) + 0.3
-    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xticks=[], yticks=[])
+    elif isinstance(path, Gaussian) and path.dim > 1:
+        draw_path(axis, path.marginal([0, 1]), every=5)
+    else:
+        x = path.mean if isinstance(path, Gaussian) else np.asarray(path)
+        axis.plot(*_plane(x).T, color=PALETTE[0], lw=1.8)
+    draw_frames(axis, [f for f in situation.frames if f is not None and f.A.shape == (2, 2)])
+    shown = np.vstack([truth, *taught])
+    margin = 0.1 * np.ptp(shown)
+    low, high = shown.min(0) - margin, shown.max(0) + margin
+    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xticks=[], yticks=[], aspect="equal")
     axis.spines[:].set_visible(False)
+
+
+def _plane(x: NDArray) -> NDArray:
+    """First two coordinates (T, 2) of a movement, or progress and the only one."""
+    return x[:, :2] if x.shape[1] > 1 else np.column_stack([np.linspace(0, 1, len(x)), x])
 
 
 def against_distance(results: Results, figure: str = "rms") -> Figure:
@@ -109,7 +119,7 @@ def against_demonstrations(results: Results, distance: float, figure: str = "rms
     return drawing
 
 
-def _curves(results: Results, at: np.ndarray, curves: np.ndarray) -> Figure:
+def _curves(results: Results, at: NDArray, curves: NDArray) -> Figure:
     """Draw curves (n, 3, m) of mean, low and high over n places."""
     figure, (axis,) = new_figure(height=3.8)
     coloured = dict(zip((c for c in CURVES if c in results.methods), COLOURS, strict=False))

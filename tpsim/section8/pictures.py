@@ -16,7 +16,7 @@ from tpsim.section8.method import Method, Path
 from tpsim.section8.results import Results
 from tpsim.section8.trial import learn, retrieved
 
-CURVES = ("TP-GMM", "TP-GMR", "TP-GMR product", "TP-trajGMM", "TP-ProMP", "TP-GP", "KMP", "PGMM")
+CURVES = ("TP-GMM", "TP-GMR", "TP-GMR product", "TP-trajGMM", "TP-ProMP", "DMP", "GPR", "PGMM")
 """Methods whose curves are drawn in colour; the others are faint."""
 
 COLOURS = (*PALETTE, "#4d5b66", "#b0892f")
@@ -71,7 +71,7 @@ def _draw(
         axis.plot(*_plane(x).T, color=PALETTE[0], lw=1.8)
     draw_frames(axis, [f for f in situation.frames if f is not None and f.A.shape == (2, 2)])
     shown = np.vstack([truth, *taught])
-    margin = 0.1 * np.ptp(shown)
+    margin = 0.15 * np.ptp(shown)
     low, high = shown.min(0) - margin, shown.max(0) + margin
     axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xticks=[], yticks=[], aspect="equal")
     axis.spines[:].set_visible(False)

@@ -216,29 +216,31 @@ class Compare(Command):
         from tpsim.section8 import compare, compare_left_out
         from tpsim.section8.methods import with_methods_from
         from tpsim.section8.plan import QUICK, Plan
+        from tpsim.section8.tables import short
 
         methods = with_methods_from(self.method)
         kind = "data" if self.data else "quick" if self.quick else "full"
         folder = self.folder or paths.runs() / f"compare-{kind}-seed-{self.seed}"
         if self.data is not None:
-            demonstrations = _demonstrations(self.data)
-            return compare_left_out(
-                demonstrations, methods, folder=folder, command=f"tpsim compare --data {self.data}"
+            taught = _demonstrations(self.data)
+            result = compare_left_out(taught, methods, folder=folder, command=self._line())
+        else:
+            result = compare(
+                methods,
+                QUICK if self.quick else Plan(),
+                seed=self.seed,
+                folder=folder,
+                workers=self.workers or cores(),
+                progress=sys.stderr.isatty(),
+                command=self._line(),
             )
-        return compare(
-            methods,
-            QUICK if self.quick else Plan(),
-            seed=self.seed,
-            folder=folder,
-            workers=self.workers or cores(),
-            progress=sys.stderr.isatty(),
-            command=self._line(),
-        )
+        return result if self.json else short(result)
 
     def _line(self) -> str:
         """Return the command line that repeats the comparison."""
         words = ["tpsim", "compare", *(["--quick"] if self.quick else [])]
         words += ["--method", *self.method] if self.method else []
+        words += ["--data", str(self.data)] if self.data else []
         words += ["--seed", str(self.seed)] if self.seed else []
         return shlex.join(words)
 

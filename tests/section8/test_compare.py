@@ -180,3 +180,19 @@ def test_bad_plans(plan, words, tmp_path):
 def test_the_command_refuses_bad_options(options, capsys):
     assert cli.main(["compare", *options]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_the_command_prints_a_line_for_every_method(tmp_path, monkeypatch, capsys):
+    plan = Plan(("transfer",), (2,), (0,), (1.0,), situations=2, samples=20)
+    monkeypatch.setattr("tpsim.section8.plan.QUICK", plan)
+    monkeypatch.setattr(
+        "tpsim.section8.methods.with_methods_from", lambda specifications: METHODS_HERE
+    )
+    words = ["compare", "--quick", "--workers", "1", "--folder", str(tmp_path)]
+    assert cli.main(words) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines[2 : 2 + len(METHODS_HERE)]] == list(METHODS_HERE)
+    assert cli.main([*words, "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert {"methods", "paths"} <= set(result)
+    assert {"rms", "end", "train_ms", "adapt_us"} <= set(result["methods"]["TP-LWR"])

@@ -45,8 +45,9 @@ def write_comparison_report(
             (),
             tables.family_table(results),
         ),
-        Section("Failures", table=failures(results)),
     ]
+    if failed := failures(results):
+        sections.append(Section("Failures", table=failed))
     return write_report(
         path,
         title="Which task-adaptive method generalises, how far, how fast",

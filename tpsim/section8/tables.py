@@ -33,6 +33,18 @@ def write_json(path: Path, result: Mapping[str, object]) -> Path:
     return write_text(path, json.dumps(plain(result), indent=1, allow_nan=False) + "\n")
 
 
+def short(result: Mapping[str, object]) -> dict[str, object]:
+    """Result of a comparison for people: one line for every method, and the paths."""
+    columns = ("rms", "end", "direction", "train_ms", "adapt_us", "rank", "wins", "reason")
+    methods = result["methods"]
+    assert isinstance(methods, Mapping)
+    rows = [
+        {"method": name} | {key: figures.get(key, "") for key in columns}
+        for name, figures in methods.items()
+    ]
+    return {"methods": rows, "paths": result["paths"]}
+
+
 def main_table(results: Results) -> list[Row]:
     """One row per method of the headline: rms by distance, then the other figures."""
     family, count = results.headline

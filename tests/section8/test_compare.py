@@ -2,6 +2,8 @@
 
 import csv
 import json
+import sys
+import types
 
 import numpy as np
 import pytest
@@ -196,3 +198,18 @@ def test_the_command_prints_a_line_for_every_method(tmp_path, monkeypatch, capsy
     result = json.loads(capsys.readouterr().out)
     assert {"methods", "paths"} <= set(result)
     assert {"rms", "end", "train_ms", "adapt_us"} <= set(result["methods"]["TP-LWR"])
+
+
+def test_the_command_reads_demonstrations_of_ones_own(tmp_path, monkeypatch, capsys):
+    """Whatever reads them: here a stand-in for tpsim.data."""
+    reader = types.ModuleType("tpsim.data")
+    reader.read = lambda path: u_demonstrations(3, 20)
+    monkeypatch.setitem(sys.modules, "tpsim.data", reader)
+    monkeypatch.setattr(
+        "tpsim.section8.methods.with_methods_from", lambda specifications: METHODS_HERE
+    )
+    words = ["compare", "--data", str(tmp_path), "--folder", str(tmp_path / "out"), "--json"]
+    assert cli.main(words) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["demonstrations"] == 3
+    assert result["methods"]["TP-LWR"]["rms"] > 0

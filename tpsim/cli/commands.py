@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from tyro.conf import FlagCreatePairsOff, Positional, arg
 
+from tpsim.cli.comparison import Compare
 from tpsim.cli.options import (
     Answer,
     Command,
@@ -205,17 +206,6 @@ class Replay(Command):
         """Whether every trial of a whole run came out again."""
         same = answer["identical"] == answer["trials"]
         return same and bool(answer["whole"]) and not answer["missing"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Compare(Command):
-    """Measure the methods of the tutorial's Section 8 beside each other."""
-
-    def execute(self) -> Answer:
-        """Compare."""
-        from tpsim.experiment import compare
-
-        return compare.compare()
 
 
 @dataclass(frozen=True, kw_only=True)

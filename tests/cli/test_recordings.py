@@ -45,7 +45,8 @@ def test_learning_from_files_ends_in_a_model_and_a_picture(reaches, capsys):
 
 
 @pytest.mark.parametrize(
-    "words", [("data", "info", "nothing.csv"), ("learn", "nothing.csv"), ("data", "convert", "a.csv")]
+    "words",
+    [("data", "info", "nothing.csv"), ("learn", "nothing.csv"), ("data", "convert", "a.csv")],
 )
 def test_what_cannot_be_done_is_one_line(capsys, words):
     code, out, err = run(capsys, *words)

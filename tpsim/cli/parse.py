@@ -58,7 +58,7 @@ def parse(arguments: Sequence[str]) -> Call:
     Raises
     ------
     ArgumentError
-        If they name no command or study, or options that there are not.
+        If they name an unknown command, study or option.
     SystemExit
         After help was printed.
     """

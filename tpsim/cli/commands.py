@@ -83,7 +83,7 @@ class Teach(SeededCommand):
             positive("--count", self.count)
 
     def execute(self, study: "Study", line: str) -> Answer:
-        """Teach."""
+        """Teach all behaviours of the task."""
         from tpsim.study import teaching
 
         return teaching.teach(
@@ -112,7 +112,7 @@ class Learn(Learning):
     """Fit the task-parameterized models to recorded demonstrations."""
 
     def execute(self, study: "Study", line: str) -> Answer:
-        """Learn."""
+        """Fit the models and say what was learned."""
         from tpsim.study import teaching
 
         return teaching.learn(study, self.demonstrations, out=self.folder)
@@ -131,7 +131,7 @@ class Reproduce(Learning, SeededCommand):
         not_negative("--situation", self.situation)
 
     def execute(self, study: "Study", line: str) -> Answer:
-        """Reproduce."""
+        """Perform the task in one situation."""
         from tpsim.study import trying
 
         return trying.reproduce(
@@ -167,7 +167,7 @@ class Push(Reproduce):
         positive("--duration", self.duration)
 
     def execute(self, study: "Study", line: str) -> Answer:
-        """Push."""
+        """Perform the task twice, pushed and not."""
         from tpsim.study import trying
 
         return trying.push(
@@ -194,7 +194,7 @@ class Replay(Command):
     """Study that was run, where it is none of the built-in ones: my_task.py:study."""
 
     def execute(self) -> Answer:
-        """Replay."""
+        """Perform the recorded trials again."""
         from tpsim.study.files.run import load_run
         from tpsim.study.reference import load_study
         from tpsim.study.replay import replay
@@ -266,7 +266,7 @@ class Doctor(Command):
     """Show versions, rendering, what is missing and the command that mends it."""
 
     def execute(self) -> Answer:
-        """Look."""
+        """Examine this installation."""
         from tpsim.cli import doctor
 
         return doctor.examine()

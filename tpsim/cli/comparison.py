@@ -41,7 +41,7 @@ class Compare(Command):
             raise ArgumentError(f"--data {self.data} does not exist; give a file or a folder")
 
     def execute(self) -> Answer:
-        """Compare."""
+        """Measure all methods, or go on where it stopped."""
         from tpsim import paths
         from tpsim.section8 import compare, compare_left_out
         from tpsim.section8.methods import with_methods_from

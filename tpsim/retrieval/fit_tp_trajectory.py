@@ -99,12 +99,8 @@ def fit_tp_trajectory(
 
     Parameters
     ----------
-    demonstrations
-        M demonstrations with the same frames, of any lengths; they are brought on one clock
-        (:func:`tpsim.retrieval.clock.on_one_clock`), at which the movement is retrieved.
-    components
-        Number of components K, or the numbers to choose from by demonstrations that are left
-        out. Fewer than three demonstrations leave no choice: the number nearest to 8 is taken.
+    demonstrations, components
+        As in :func:`tpsim.retrieval.fit_tp_gmr.fit_tp_gmr`.
     shrunk
         Shrink covariances towards equal spread in all directions of space
         (:func:`tpsim.learning.shrinkage.shrink_directions`).

@@ -89,11 +89,8 @@ def against_distance(results: Results, figure: str = "rms") -> Figure:
     family, count = results.headline
     distances = results.plan.distances
     estimates = [results.estimate(family, count, d, figure) for d in distances]
-    drawing = _curves(results, distances, estimates)
-    axis = drawing.axes[0]
-    axis.set_xlabel("spread of the situations, times that of the demonstrations")
-    axis.set_ylabel(f"{figure} [m]")
-    return drawing
+    xlabel = "spread of the situations, times that of the demonstrations"
+    return _curves(results, distances, estimates, xlabel, f"{figure} [m]")
 
 
 def against_demonstrations(results: Results, distance: float, figure: str = "rms") -> Figure:
@@ -101,14 +98,13 @@ def against_demonstrations(results: Results, distance: float, figure: str = "rms
     family, _ = results.headline
     counts = results.plan.counts
     estimates = [results.estimate(family, count, distance, figure) for count in counts]
-    drawing = _curves(results, counts, estimates)
-    axis = drawing.axes[0]
-    axis.set_xlabel("demonstrations")
-    axis.set_ylabel(f"{figure} at {distance:g} times the spread [m]")
-    return drawing
+    ylabel = f"{figure} at {distance:g} times the spread [m]"
+    return _curves(results, counts, estimates, "demonstrations", ylabel)
 
 
-def _curves(results: Results, at: Sequence[float], estimates: Sequence[Estimate]) -> Figure:
+def _curves(
+    results: Results, at: Sequence[float], estimates: Sequence[Estimate], xlabel: str, ylabel: str
+) -> Figure:
     """Draw the means of all methods, with their intervals, over n places."""
     curves = np.array([[e.mean, e.low, e.high] for e in estimates])
     figure, (axis,) = new_figure(height=3.8)
@@ -122,7 +118,7 @@ def _curves(results: Results, at: Sequence[float], estimates: Sequence[Estimate]
             continue
         axis.fill_between(at, low, high, color=coloured[name], alpha=0.18, lw=0)
         axis.plot(at, mean, color=coloured[name], lw=1.8, marker="o", ms=3, label=name)
-    axis.set(xscale="log", yscale="log")
+    axis.set(xlabel=xlabel, ylabel=ylabel, xscale="log", yscale="log")
     axis.set_xticks(at, [f"{place:g}" for place in at])
     axis.minorticks_off()
     if axis.get_legend_handles_labels()[1]:

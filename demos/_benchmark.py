@@ -68,5 +68,11 @@ def benchmark(
     return main, draw
 
 
+def without_frames(method: str) -> tuple[Main, Draw]:
+    """Functions of a row whose method takes the frames as inputs and cannot extrapolate."""
+    reason = "outside the object: a regression does not extrapolate"
+    return benchmark(method, (0.5 * shared.WIDTH, 2.0), reason, angle=(60, 180))
+
+
 def _motion(demonstration: Demonstration) -> Motion:
     return Motion.of(demonstration.data, float(demonstration.time[1] - demonstration.time[0]))

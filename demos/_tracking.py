@@ -15,13 +15,7 @@ from tpsim.gallery import Bounded, within
 class Reference:
     """A letter as a stepwise reference: each state of a mixture, for as long as it lasts.
 
-    Parameters
-    ----------
-    letter : str
-    components : int
-        Number of states.
-    derivatives : int
-        1 for position and velocity, 0 for position alone.
+    The mixture is over position and velocity, or over position alone without ``derivatives``.
     """
 
     letter: str

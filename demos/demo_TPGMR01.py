@@ -11,7 +11,7 @@ from functools import cache
 import _situations as shared
 import numpy as np
 
-from tpsim import GMM, fit_tp_gmm, fuse_frames, gmr
+from tpsim import fit_tp_gmm, tp_gmr
 from tpsim.gallery import present, within
 
 
@@ -21,11 +21,10 @@ def retrieve():
     timed = [d.with_time() for d in shared.TAUGHT]
     model = fit_tp_gmm(timed, 8, start="time")
     times = timed[0].data[:, :1]
-    local = [gmr(GMM(model.priors, seen), times) for seen in model.frames]
-    return (
-        shared.adapt(lambda frames: fuse_frames(local, frames)),
-        shared.adapt(lambda frames: gmr(model.adapt([f.with_input() for f in frames]), times)),
-    )
+    return [
+        shared.adapt(lambda frames, order=order: tp_gmr(model, frames, times, order=order))
+        for order in ("regression", "product")
+    ]
 
 
 def length(path):

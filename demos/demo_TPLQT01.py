@@ -1,7 +1,8 @@
 """demo_TPLQT01: LQT of a stepwise reference seen in two coordinate systems (TP-LQT, Eq. 38).
 
 Look for: the path leaves the first U and enters the second along their open sides, in
-situations that were not taught; tracking in both frames at once is tracking their product.
+situations that were not taught; tracking in both frames at once is tracking their product. The
+reference has three steps, so that in the farthest situation the turn into the U comes late.
 """
 
 from functools import cache
@@ -37,7 +38,7 @@ def solve():
 def main():
     spread = [np.sqrt(np.linalg.eigvalsh(path.covariance).max(-1)) for path in solve()]
     thinner = min(s.max() / s[-1] for s in spread)
-    return shared.figures(solve(), end=0.05) | {
+    return shared.figures(solve(), end=0.05, angle=75) | {
         "least_ratio_of_spreads_middle_to_end": within(
             thinner, 1.5, 100, "minimal intervention: the middle is left free, the end is not"
         )

@@ -123,6 +123,12 @@ def test_batch_and_recursion_are_dense_least_squares(seed, T, order, rank, effor
     np.testing.assert_allclose(batch.covariance, spread, atol=1e-8)
 
 
+def test_a_covariance_stays_symmetric_where_positions_count_a_million_times_more():
+    roots = np.random.default_rng(0).normal(size=(200, 4, 4)) * np.array([1e3, 1e3, 1, 1])[:, None]
+    covariance = lqt(np.zeros((200, 4)), roots @ roots.mT, EXACT, 1e-4).covariance()
+    close(covariance.mT, covariance, 1e-14)
+
+
 def test_any_system_and_matrix_effort():
     rng = np.random.default_rng(3)
     system = LinearSystem(rng.normal(size=(4, 4)) / 2, rng.normal(size=(4, 2)), 1.0)

@@ -184,31 +184,28 @@ def test_start_in_time_reference():
     """The reference drops the last sample of every demonstration and divides by n - 1."""
     figures = FIGURES["tensor_init"]
     time = figures["data"][0][:, 0]
-    labels = split_in_time(time, 3)
     kept = time < time.max()
-    one_hot = (labels[kept, None] == np.arange(3)).astype(float)
-    samples = Samples([view[kept] for view in figures["data"]])
-    mixture = maximise(samples.moments(one_hot), None, FULL, [Ridge(0.0)])
-    n = one_hot.sum(0)[:, None, None]
-    part = mixture.components[0]
-    np.testing.assert_allclose(mixture.priors, figures["time_priors"], rtol=1e-12)
-    np.testing.assert_allclose(part.mean, figures["time_mean"], rtol=1e-10)
-    expected = figures["time_covariance"] - 1e-4 * np.eye(3)
-    np.testing.assert_allclose(part.covariance * n / (n - 1), expected, atol=1e-10)
+    one_hot = (split_in_time(time, 3)[kept, None] == np.arange(3)).astype(float)
+    views = [view[kept] for view in figures["data"]]
+    assert_starts(views, one_hot, one_hot.sum(0), "time")
 
 
 def test_start_by_kmeans_reference():
     """The reference counts every sample twice and divides by one less, then adds 1e-4 I."""
     figures = FIGURES["tensor_init"]
     one_hot = (figures["labels"][:, None] == np.arange(3)).astype(float)
-    samples = Samples(list(figures["data"]))
-    mixture = maximise(samples.moments(one_hot), None, FULL, [Ridge(0.0)])
-    n = one_hot.sum(0)[:, None, None]
-    part = mixture.components[0]
-    np.testing.assert_allclose(mixture.priors, figures["kmeans_priors"], rtol=1e-12)
-    np.testing.assert_allclose(part.mean, figures["kmeans_mean"], rtol=1e-10)
-    expected = figures["kmeans_covariance"] - 1e-4 * np.eye(3)
-    np.testing.assert_allclose(part.covariance * 2 * n / (2 * n - 1), expected, atol=1e-10)
+    assert_starts(list(figures["data"]), one_hot, 2 * one_hot.sum(0), "kmeans")
+
+
+def assert_starts(views, one_hot, counted, start):
+    """The first M-step is the reference's, which divides by one less than it counted."""
+    figures = FIGURES["tensor_init"]
+    mixture = maximise(Samples(views).moments(one_hot), None, FULL, [Ridge(0.0)])
+    n, part = counted[:, None, None], mixture.components[0]
+    np.testing.assert_allclose(mixture.priors, figures[f"{start}_priors"], rtol=1e-12)
+    np.testing.assert_allclose(part.mean, figures[f"{start}_mean"], rtol=1e-10)
+    expected = figures[f"{start}_covariance"] - 1e-4 * np.eye(3)
+    np.testing.assert_allclose(part.covariance * n / (n - 1), expected, atol=1e-10)
 
 
 def test_start_in_bins_reference():

@@ -8,17 +8,13 @@ from tpsim import (
     TPGMM,
     Frame,
     Gaussian,
-    Motion,
-    attractor_path,
-    decay,
-    forced_attractor,
-    forcing_term,
     gmr,
     integrator,
     lqt,
     spring_damper,
 )
 from tpsim.errors import ArgumentError
+from tpsim.retrieval.dmp import Motion, attractor_path, decay, forced_attractor, forcing_term
 
 FIGURES = np.load(Path(__file__).parents[1] / "reference" / "dmp_gmr.npz")
 DT, STIFFNESS, DAMPING = 0.01, 50.0, 10.0

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 
 from tpsim import (
+    GMM,
     Demonstration,
     Frame,
     TPTrajectory,
     fit_movement,
     fit_tp_gmr,
     fit_tp_trajectory,
+    gmr,
     on_one_clock,
     tp_gmr,
 )
@@ -88,6 +90,19 @@ def test_the_tube_is_as_wide_as_what_was_left_out(taught):
     narrow = TPTrajectory(movement.model, movement.times)(taught[0].frames)
     wide = movement(taught[0].frames)
     np.testing.assert_allclose(wide.covariance, movement.scale * narrow.covariance)
+
+
+def test_a_frame_claims_a_velocity_no_more_than_a_position(taught):
+    """Seen to rest, the start's frame still leaves the velocity at the far goal open."""
+    movement = fit_tp_trajectory(taught, 6)
+    duration = movement.times[-1]
+    for believed, frame in zip(movement._views, movement.model.frames, strict=True):
+        regressed = gmr(GMM(movement.model.priors, frame), movement.times)
+        np.testing.assert_array_equal(believed.mean, regressed.mean)
+        position, velocity = (believed.marginal(dims).covariance for dims in ([0, 1], [2, 3]))
+        assert (np.linalg.eigvalsh(velocity - position / duration**2) > -1e-9).all()
+        known = regressed.marginal([2, 3]).covariance
+        np.testing.assert_allclose(velocity - known, position / duration**2, atol=1e-12)
 
 
 def test_choosing_takes_the_smallest_error():

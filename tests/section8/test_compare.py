@@ -8,7 +8,8 @@ import types
 import numpy as np
 import pytest
 
-from tpsim import Demonstration, Frame, cli
+from tpsim import Demonstration, Frame
+from tpsim.cli.main import main
 from tpsim.errors import ArgumentError
 from tpsim.examples import u_demonstrations
 from tpsim.section8 import METHODS, compare, compare_left_out
@@ -180,7 +181,7 @@ def test_bad_plans(plan, words, tmp_path):
     [["--workers", "0"], ["--seed", "-1"], ["--method", "no.py:f"], ["--data", "no-such-file"]],
 )
 def test_the_command_refuses_bad_options(options, capsys):
-    assert cli.main(["compare", *options]) == 2
+    assert main(["compare", *options]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 
@@ -191,10 +192,10 @@ def test_the_command_prints_a_line_for_every_method(tmp_path, monkeypatch, capsy
         "tpsim.section8.methods.with_methods_from", lambda specifications: METHODS_HERE
     )
     words = ["compare", "--quick", "--workers", "1", "--folder", str(tmp_path)]
-    assert cli.main(words) == 0
+    assert main(words) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines[2 : 2 + len(METHODS_HERE)]] == list(METHODS_HERE)
-    assert cli.main([*words, "--json"]) == 0
+    assert main([*words, "--json"]) == 0
     result = json.loads(capsys.readouterr().out)
     assert {"methods", "paths"} <= set(result)
     assert {"rms", "end", "train_ms", "adapt_us"} <= set(result["methods"]["TP-LWR"])
@@ -209,7 +210,7 @@ def test_the_command_reads_demonstrations_of_ones_own(tmp_path, monkeypatch, cap
         "tpsim.section8.methods.with_methods_from", lambda specifications: METHODS_HERE
     )
     words = ["compare", "--data", str(tmp_path), "--folder", str(tmp_path / "out"), "--json"]
-    assert cli.main(words) == 0
+    assert main(words) == 0
     result = json.loads(capsys.readouterr().out)
     assert result["demonstrations"] == 3
     assert result["methods"]["TP-LWR"]["rms"] > 0

@@ -43,6 +43,17 @@ def test_paths_are_movements_near_the_teacher(name, learned):
     assert learned[name].parameters > 10
 
 
+@pytest.mark.parametrize("name", [name for name in METHODS if name not in OWN])
+def test_other_peoples_libraries_learn_the_same_and_change_nothing(name):
+    pytest.importorskip(name.split(":")[0])
+    taught, near = u_demonstrations(5, 40), situations()[0]
+    times = taught[0].time.copy()
+    figures = measure(METHODS[name](taught)(near), near)
+    assert figures["rms"] < 0.5
+    assert figures["end"] < 0.1
+    np.testing.assert_array_equal(taught[0].time, times)
+
+
 @pytest.mark.parametrize("name", MEET_THE_END)
 def test_frames_or_a_goal_carry_the_end_far_away(name, learned):
     far = situations()[-1]

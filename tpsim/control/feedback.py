@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from tpsim.archive import Stored
 from tpsim.checks import finite_array, own
 from tpsim.control.system import LinearSystem
+from tpsim.covariance import symmetric
 from tpsim.errors import ArgumentError
 
 
@@ -106,7 +107,7 @@ class Feedback(Stored):
         if self.curvature is None:
             raise ArgumentError("this feedback has no curvature; make it with lqt()")
         B = system.B
-        noise = B @ np.linalg.inv(self.curvature[:-1]) @ B.T
+        noise = B @ np.linalg.inv(symmetric(self.curvature[:-1])) @ B.T
         covariance = np.zeros((len(self.gain), *system.A.shape))
         for t, F in enumerate(closed):
             covariance[t + 1] = F @ covariance[t] @ F.T + noise[t]

@@ -22,7 +22,6 @@ class Family:
     Parameters
     ----------
     title : str
-        What the task is.
     draw : function of a Generator and a spread
         Frames of a situation; 1 is the spread of the demonstrations.
     teach : function of frames, a number of samples T, and a bend

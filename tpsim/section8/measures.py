@@ -21,8 +21,7 @@ class Figure:
 
     Parameters
     ----------
-    title : str
-    unit : str
+    title, unit : str
     best : float or None
         The value that a perfect method has; None where lower is better without a bound.
     """

@@ -47,7 +47,8 @@ def promp_library(demonstrations: list[Demonstration]) -> Learned:
     times = times_of(demonstrations)
     D = demonstrations[0].data.shape[1]
     model = library.ProMP(n_dims=D, n_weights_per_dim=BASIS)
-    model.imitate([times] * len(demonstrations), [d.data for d in demonstrations])
+    # The package scales the times that it is given in place.
+    model.imitate([times.copy() for _ in demonstrations], [d.data for d in demonstrations])
     start, end = Anchor.at(demonstrations, 0), Anchor.at(demonstrations, -1)
 
     def retrieve(frames: Frames) -> Gaussian:
@@ -56,9 +57,9 @@ def promp_library(demonstrations: list[Demonstration]) -> Learned:
             bent = bent.condition_position(
                 point.mean, y_cov=point.covariance, t=t, t_max=float(times[-1])
             )
-        variance = np.asarray(bent.var_trajectory(times))
+        variance = np.asarray(bent.var_trajectory(times.copy()))
         covariance = np.maximum(variance, 1e-9)[..., None] * np.eye(D)
-        return Gaussian(np.asarray(bent.mean_trajectory(times)), covariance)
+        return Gaussian(np.asarray(bent.mean_trajectory(times.copy())), covariance)
 
     n = D * BASIS
     return Learned(retrieve, n * (n + 3) // 2)

@@ -14,6 +14,7 @@ from tpsim.plot import tube
 from tpsim.section8.families import Situation
 from tpsim.section8.method import Method, Path
 from tpsim.section8.results import Results
+from tpsim.section8.statistics import Estimate
 from tpsim.section8.trial import learn, retrieved
 from tpsim.study.canvas import INK, PALETTE, new_figure
 
@@ -86,19 +87,10 @@ def _plane(x: NDArray) -> NDArray:
 def against_distance(results: Results, figure: str = "rms") -> Figure:
     """Draw a figure over the distance of the situations, with 95 % intervals."""
     family, count = results.headline
-    estimates = [results.estimate(family, count, d, figure) for d in results.plan.distances]
-    curves = np.array([[e.mean, e.low, e.high] for e in estimates])
-    drawing = _curves(results, np.array(results.plan.distances), curves)
-    axis = drawing.axes[0]
-    axis.set(
-        xlabel="spread of the situations, times that of the demonstrations",
-        ylabel=f"{figure} [m]",
-        xscale="log",
-        yscale="log",
-    )
-    axis.set_xticks(results.plan.distances, [f"{d:g}" for d in results.plan.distances])
-    axis.minorticks_off()
-    return drawing
+    distances = results.plan.distances
+    estimates = [results.estimate(family, count, d, figure) for d in distances]
+    xlabel = "spread of the situations, times that of the demonstrations"
+    return _curves(results, distances, estimates, xlabel, f"{figure} [m]")
 
 
 def against_demonstrations(results: Results, distance: float, figure: str = "rms") -> Figure:
@@ -106,22 +98,15 @@ def against_demonstrations(results: Results, distance: float, figure: str = "rms
     family, _ = results.headline
     counts = results.plan.counts
     estimates = [results.estimate(family, count, distance, figure) for count in counts]
+    ylabel = f"{figure} at {distance:g} times the spread [m]"
+    return _curves(results, counts, estimates, "demonstrations", ylabel)
+
+
+def _curves(
+    results: Results, at: Sequence[float], estimates: Sequence[Estimate], xlabel: str, ylabel: str
+) -> Figure:
+    """Draw the means of all methods, with their intervals, over n places."""
     curves = np.array([[e.mean, e.low, e.high] for e in estimates])
-    drawing = _curves(results, np.array(counts, float), curves)
-    axis = drawing.axes[0]
-    axis.set(
-        xlabel="demonstrations",
-        ylabel=f"{figure} at {distance:g} times the spread [m]",
-        xscale="log",
-        yscale="log",
-    )
-    axis.set_xticks(counts, map(str, counts))
-    axis.minorticks_off()
-    return drawing
-
-
-def _curves(results: Results, at: NDArray, curves: NDArray) -> Figure:
-    """Draw curves (n, 3, m) of mean, low and high over n places."""
     figure, (axis,) = new_figure(height=3.8)
     coloured = dict(zip((c for c in CURVES if c in results.methods), COLOURS, strict=False))
     for m, name in enumerate(results.methods):
@@ -133,6 +118,9 @@ def _curves(results: Results, at: NDArray, curves: NDArray) -> Figure:
             continue
         axis.fill_between(at, low, high, color=coloured[name], alpha=0.18, lw=0)
         axis.plot(at, mean, color=coloured[name], lw=1.8, marker="o", ms=3, label=name)
+    axis.set(xlabel=xlabel, ylabel=ylabel, xscale="log", yscale="log")
+    axis.set_xticks(at, [f"{place:g}" for place in at])
+    axis.minorticks_off()
     if axis.get_legend_handles_labels()[1]:
         axis.legend(
             loc="center left", bbox_to_anchor=(1, 0.5), frameon=False, fontsize=8, labelcolor=INK

@@ -18,7 +18,11 @@ def _changed(old, new):
     ("text", "arguments", "message"),
     [
         (_changed("", ""), {"hands": {}}, "hands is empty.*sites are s"),
-        (_changed("", ""), {"hands": {"h": "x"}}, "hand 'h' is at 'x', which is no site: s are"),
+        (
+            _changed("", ""),
+            {"hands": {"h": "x"}},
+            "hand 'h' is at 'x', which is no site; the sites are s",
+        ),
         (
             _changed('<joint name="j" axis="0 1 0"/>', "").replace(_MOTOR, ""),
             {},

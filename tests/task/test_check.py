@@ -64,7 +64,7 @@ def test_a_robot_that_cannot_be_taken_in_is_one_line():
     for text, options, words in [
         ("<mujoco><worldbody/></mujoco>", {}, "'hand' is at 'tip', which is no site"),
         (arm.format(more=""), {"hands": {}}, "hands is empty"),
-        (arm.format(more=""), {"hands": {"hand": "nose"}}, "which is no site: tip are"),
+        (arm.format(more=""), {"hands": {"hand": "nose"}}, "which is no site; the sites are tip"),
         (arm.format(more=' type="free"'), {"torque_limit": 5}, "base is free"),
         (arm.format(more=' type="ball"'), {"torque_limit": 5}, "is a ball joint"),
         (arm.format(more=""), {"torque_limit": 2, "home": (0,)}, "cannot hold itself up at home"),

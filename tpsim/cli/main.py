@@ -10,8 +10,10 @@ import json
 import os
 import shlex
 import sys
+import traceback
 from collections.abc import Sequence
 from importlib.metadata import version
+from pathlib import Path
 
 from tpsim.cli.options import Answer
 from tpsim.cli.parse import parse
@@ -36,6 +38,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail(error, 2)
     except (TpsimError, OSError) as error:
         return _fail(error, 1)
+    except Exception as error:
+        if (place := _of_the_user(error)) is None:
+            raise
+        return _fail(f"{place}: {type(error).__name__}: {error}", 1)
     except KeyboardInterrupt:
         again = shlex.join(["tpsim", *arguments])
         return _fail(
@@ -48,6 +54,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # Who reads, has read enough; Python must not complain once more at its end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return 0 if call.options.succeeded(answer) else 1
+
+
+def _of_the_user(error: Exception) -> str | None:
+    """Where a user's own code went wrong; None where it was ours."""
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    if Path(last.filename).is_relative_to(Path(__file__).parents[1]):
+        return None
+    if "site-packages" in last.filename or last.filename.startswith("<"):
+        return None
+    return f"{last.filename}, line {last.lineno}, in {last.name}"
 
 
 def _show(answer: Answer, *, as_json: bool) -> None:

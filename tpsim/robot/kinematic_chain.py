@@ -26,6 +26,10 @@ def arm_joints(model: mujoco.MjModel, hands: Mapping[str, str]) -> tuple[str, ..
         the joints is neither hinge nor slide or follows another one.
     """
     sites = _listed(model, "site", model.nsite)
+    if hands and not isinstance(hands, Mapping):
+        raise ArgumentError(
+            f"hands is {hands!r}: name a site for each hand, hands={{'hand': 'site'}}"
+        )
     if not hands:
         raise ArgumentError(
             "hands is empty: name a site for each hand, hands={'hand': 'site'}; the robot's sites "
@@ -35,7 +39,9 @@ def arm_joints(model: mujoco.MjModel, hands: Mapping[str, str]) -> tuple[str, ..
     for hand, site in hands.items():
         number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, site)
         if number < 0:
-            raise ArgumentError(f"hand '{hand}' is at '{site}', which is no site: {sites} are")
+            raise ArgumentError(
+                f"hand '{hand}' is at '{site}', which is no site; the sites are {sites}"
+            )
         chain = joints_above(model, int(model.site_bodyid[number]))
         if not chain:
             raise ArgumentError(

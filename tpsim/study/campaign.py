@@ -1,9 +1,11 @@
 """The verb run: the whole job of a study, from teaching to its report."""
 
 import inspect
+import shutil
 import sys
 import time
-from contextlib import nullcontext
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
 
@@ -64,7 +66,8 @@ def run(
     command = command or f"tpsim.lab.run(study, {plan!r})  # {task!r}"
     settings = {"plan": asdict(plan), "demonstrations": task.demonstrations}
     opened = open_folder(study, command, settings, plan.seed, folder)
-    taught = taught_all(study, task.demonstrations, plan.seed, workers)
+    with removed_if_nothing_came(opened.folder):
+        taught = taught_all(study, task.demonstrations, plan.seed, workers)
     for behaviour, trials in taught.items():
         where = opened.folder / "demonstrations" / behaviour
         write_demonstrations(where, study, behaviour, trials, seed=plan.seed, command=command)
@@ -90,6 +93,16 @@ def run(
             "film": None if film is None else str(film),
         },
     }
+
+
+@contextmanager
+def removed_if_nothing_came(folder: Path) -> Iterator[None]:
+    """Take a new run folder away again if the first thing that should fill it fails."""
+    try:
+        yield
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
 
 
 def _experiment(run: Run, lab: Lab, plan: Plan, workers: int, progress: bool) -> Records:

@@ -3,10 +3,13 @@
 import time
 
 from tpsim.errors import ArgumentError
+from tpsim.robot.views.view import View
 from tpsim.study.executor import perform_condition
 from tpsim.study.measure import Figure, Measure, Result
 from tpsim.study.record import Records
 from tpsim.study.study import Lab, Study
+from tpsim.task.check import check as check_task
+from tpsim.task.check import look
 from tpsim.world.rollout import RECORD_PERIOD
 
 SPEED = "realtime_factor"
@@ -14,14 +17,17 @@ SPEED = "realtime_factor"
 
 
 def check(study: Study) -> None:
-    """Refuse a study that does not say how its figures are measured.
+    """Refuse a study that does not fit its world, or does not say how its figures are measured.
 
     Raises
     ------
+    SimulationError
+        If a view asks for a site, a joint or an object that is not there.
     ArgumentError
         If a measure has neither ``of`` nor ``whole`` and there is no probe of its name, or two
         have one name.
     """
+    check_task(study.task)
     names = [measure.name for measure in study.all_measures]
     for name in names:
         if names.count(name) > 1:
@@ -32,6 +38,9 @@ def check(study: Study) -> None:
                 f"measure '{measure.name}' has neither of nor whole, and the study has no probe "
                 "of this name; give one of them"
             )
+        if isinstance(measure.of, View):
+            look(study.task, f"measure '{measure.name}'", measure.of)
+            measure.of.scale(study.task.stage.robot, measure.unit)
 
 
 def of_trials(study: Study, records: Records) -> dict[str, Figure]:

@@ -74,6 +74,12 @@ class Measure:
     at_least: bool = False
     title: str = ""
 
+    def __post_init__(self) -> None:
+        if self.window is not None and not self.window[0] < self.window[1]:
+            raise ArgumentError(
+                f"measure '{self.name}' has the window {self.window}; give (begin, end) in seconds"
+            )
+
     def series(self, record: Record) -> Series | None:
         """What is measured of one trial, in ``unit``."""
         if self.of is None:
@@ -107,6 +113,11 @@ class Measure:
             )
         if self.window is not None:
             series = series[(time >= self.window[0]) & (time <= self.window[1])]
+            if not len(series) and record.trial.outcome != "diverged":
+                raise ArgumentError(
+                    f"measure '{self.name}' looks at {self.window} s; the trial ends at "
+                    f"{time[-1]:.2f} s"
+                )
         return float(self.reduce(series)) if len(series) else None
 
     def result(self, value: Figure) -> "Result":

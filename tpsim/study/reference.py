@@ -76,7 +76,7 @@ def _of_file(path: Path) -> ModuleType:
         raise ArgumentError(f"there is no file {path}; give the study's file, as my_task.py:study")
     folder = str(path.resolve().parent)
     if folder not in sys.path:
-        sys.path.insert(0, folder)
+        sys.path.append(folder)
     known = sys.modules.get(path.stem)
     taken = known is not None and getattr(known, "__file__", None) != str(path.resolve())
     name = f"_study_{path.stem}" if taken or path.stem in sys.stdlib_module_names else path.stem
@@ -99,7 +99,7 @@ def _of_file(path: Path) -> ModuleType:
 def _of_module(name: str) -> ModuleType:
     folder = str(Path.cwd())
     if folder not in sys.path:
-        sys.path.insert(0, folder)
+        sys.path.append(folder)
     found: list[ModuleType] = []
     _importing(f"module {name}", lambda: found.append(importlib.import_module(name)))
     return found[0]

@@ -44,10 +44,9 @@ def read_demonstrations(task: Task, folder: Path | None = None) -> Taught:
     for behaviour in task.behaviours():
         where = _place(folder, behaviour)
         if not (where / "run.json").is_file():
-            option = "" if folder is None else f" --folder {folder}"
             raise RecordingError(
-                f"there are no demonstrations of '{behaviour}' in {where}; record some: "
-                f"tpsim teach {task.name}{option}"
+                f"there are no demonstrations of '{behaviour}' in {where}; record some with "
+                "tpsim teach, and name the folder that it was given"
             )
         run = load_run(where)
         if run.file.robot.joints != task.stage.robot.joints:
@@ -84,7 +83,11 @@ def _shows_another_robot(folder: Path, task: Task) -> bool:
 
 
 def _place(folder: Path | None, behaviour: str) -> Path:
-    return paths.demonstrations(behaviour) if folder is None else folder / behaviour
+    if folder is None:
+        return paths.demonstrations(behaviour)
+    # The folder of the behaviour itself, as tpsim teach prints it, is understood too.
+    itself = folder.name == behaviour and (folder / "run.json").is_file()
+    return folder if itself else folder / behaviour
 
 
 @contextmanager

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
+import numpy as np
+
 from tpsim.errors import ArgumentError, TpsimError
 from tpsim.robot.objects import Objects
 from tpsim.robot.state import State
@@ -33,6 +35,11 @@ def check(task: Task) -> None:
         _telling(f"recorded site '{name}'", partial(state.pose, site))
 
 
+def look(task: Task, what: str, view: object) -> None:
+    """Look at one more view in the task's world at home; ``what`` names it in errors."""
+    _look(what, view, _at_home(task))
+
+
 def _at_home(task: Task) -> State:
     """The robot at home among the objects where the scene has them."""
     world = task.stage
@@ -56,6 +63,12 @@ def _look(what: str, view: object, state: State) -> None:
         hint = "; say which part, such as .pose or .position" if hasattr(view, "pose") else ""
         raise ArgumentError(f"{what} is {view!r}, which is no view{hint}")
     _telling(what, lambda: view(state))
+    seen = view(state)
+    if np.ndim(seen.value) != 1 or np.shape(seen.jacobian) != (len(seen.value), state.robot.n):
+        raise ArgumentError(
+            f"{what} has a value of shape {np.shape(seen.value)} and a Jacobian of shape "
+            f"{np.shape(seen.jacobian)}; give (d,) and (d, {state.robot.n})"
+        )
 
 
 def _telling(what: str, work: Callable[[], object]) -> None:

@@ -9,6 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
+from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 from tpsim.world.guard import Guard
@@ -100,14 +101,24 @@ class Drive:
     def torque(self, command: Impedance | np.ndarray, state: State) -> np.ndarray:
         """Joint torques (n,) [Nm] wanted, before the motors' limits."""
         if isinstance(command, np.ndarray):
+            if command.shape != (self._robot.n,):
+                self._refuse(f"an array of shape {command.shape}")
             return command
         if command is not self._now:
+            if not isinstance(command, Impedance):
+                self._refuse(f"{command!r}")
             self._begin(command)
         elif self._lead is not None:
             self._wanted = self._wanted + self._lead
         # For a matrix so small, @ costs twice as much.
         torque: np.ndarray = self._wanted - self._gain.dot(state.x) + state.bias
         return torque + self._guard.torque(state) if self._guard.wakes(state) else torque
+
+    def _refuse(self, what: str) -> None:
+        raise ArgumentError(
+            f"the controller commanded {what}; give joint torques ({self._robot.n},) or an "
+            "Impedance"
+        )
 
     def _begin(self, now: Impedance) -> None:
         self._now = now

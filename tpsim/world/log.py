@@ -30,6 +30,10 @@ class Log:
         self._states: list[State] = []
         self._samples: dict[object, list[np.ndarray | int]] = defaultdict(list)
 
+    def __len__(self) -> int:
+        """Return the number of samples."""
+        return len(self._states)
+
     def add(self, torque: np.ndarray, command: Impedance | np.ndarray) -> None:
         """Keep one sample."""
         episode, keep = self._episode, self._samples

@@ -74,6 +74,9 @@ def rollout(
             command = controller.command(state, state.time)
             wanted = drive.torque(command, state)
         torque = episode.act(wanted)
+        if not np.isfinite(torque.dot(torque)):
+            outcome = "diverged"
+            break
         if step % stride == 0:
             if episode.diverged:
                 outcome = "diverged"
@@ -81,6 +84,10 @@ def rollout(
             assert command is not None
             log.add(torque, command)
         episode.advance(torque)
+    if not log:
+        raise ArgumentError(
+            f"the controller asked for torques that are not finite from the start: {wanted}"
+        )
     if episode.contacts and outcome == "done":
         outcome = "contact"
     return Trial(log.arrays(), outcome, log.channels, touched=episode.touched)

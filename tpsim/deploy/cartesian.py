@@ -1,5 +1,6 @@
 """Impedance of a hand in Cartesian space, as controllers of real arms take it, within limits."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -67,7 +68,7 @@ class HandImpedance:
         [Ns/m], [Nms/rad]
     target : Pose
     twist : (6,)
-        At which the target moves [m/s], [rad/s]; zero but for what follows moving objects.
+        At which the target moves [m/s], [rad/s]; zero for one hand that follows nothing moving.
     """
 
     stiffness: np.ndarray
@@ -77,20 +78,28 @@ class HandImpedance:
 
 
 class HandFilter:
-    """Impedance of one hand from that of the joints, step by step, within limits.
+    """Impedances of all hands from that of the joints, step by step, within limits.
+
+    The joints' impedance also ties hands to each other, which controllers of separate arms cannot
+    do: every stiffness is that of a hand whose surroundings give way
+    (:func:`tpsim.world.impedance.hand_stiffness`), and what the other hands ask of it moves its
+    target and its twist.
 
     Parameters
     ----------
-    site : str
+    hands : mapping of str to str
+        Site of each hand.
     limits : CartesianLimits
     """
 
-    def __init__(self, site: str, limits: CartesianLimits):
-        self._site, self._limits = site, limits
-        self._stiffness = self._damping = np.zeros((6, 6))
+    def __init__(self, hands: Mapping[str, str], limits: CartesianLimits):
+        self._sites, self._limits = dict(hands), limits
+        self._gains = {hand: (np.zeros((6, 6)), np.zeros((6, 6))) for hand in hands}
 
-    def follow(self, now: Impedance, state: State, since: float, period: float) -> HandImpedance:
-        """Impedance of the hand at a state.
+    def follow(
+        self, now: Impedance, state: State, since: float, period: float
+    ) -> dict[str, HandImpedance]:
+        """Impedance of every hand at a state.
 
         Parameters
         ----------
@@ -102,21 +111,52 @@ class HandFilter:
         period : float
             Time [s] since the last call, for the rates.
         """
-        J, limits = state.jacobian(self._site), self._limits
+        J = np.array([state.jacobian(site) for site in self._sites.values()])
+        velocity = np.zeros(len(state.q)) if now.velocity is None else now.velocity
+        ways = _shares(J, now.stiffness, now.reference + since * velocity - state.q)
+        twists = _shares(J, now.damping, velocity - state.dq) + J @ state.dq
+        found = {}
+        for h, (hand, site) in enumerate(self._sites.items()):
+            K, D = self._limited(hand, J[h], now, period)
+            way = ways[h] / max(1.0, self._excess(K @ ways[h]))
+            R, p = state.pose(site)
+            target = Pose(pin.exp3(way[3:]) @ R, p + way[:3])
+            found[hand] = HandImpedance(K, D, target, twists[h])
+        return found
+
+    def _limited(
+        self, hand: str, J: np.ndarray, now: Impedance, period: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Stiffness and damping of a hand, within limits and rates."""
+        limits, (K_before, D_before) = self._limits, self._gains[hand]
         K = _below(_symmetric(hand_stiffness(J, now.stiffness)), limits.stiffness)
         D = _below(_symmetric(hand_stiffness(J, now.damping)), limits.damping)
-        self._stiffness = _nearer(self._stiffness, K, limits.stiffness_rate, period)
-        self._damping = _nearer(self._damping, D, limits.damping_rate, period)
-        velocity = np.zeros(len(state.q)) if now.velocity is None else now.velocity
-        way = J @ (now.reference + since * velocity - state.q)
-        pull = self._stiffness @ way
-        share = max(
-            np.linalg.norm(pull[:3]) / limits.pull[0], np.linalg.norm(pull[3:]) / limits.pull[1]
-        )
-        way = way / max(1.0, float(share))
-        R, p = state.pose(self._site)
-        target = Pose(pin.exp3(way[3:]) @ R, p + way[:3])
-        return HandImpedance(self._stiffness, self._damping, target, J @ velocity)
+        K = _nearer(K_before, K, limits.stiffness_rate, period)
+        D = _nearer(D_before, D, limits.damping_rate, period)
+        self._gains[hand] = K, D
+        return K, D
+
+    def _excess(self, pull: np.ndarray) -> float:
+        """How many times a wrench is larger than it may be."""
+        force, torque = np.linalg.norm(pull[:3]), np.linalg.norm(pull[3:])
+        return float(max(force / self._limits.pull[0], torque / self._limits.pull[1]))
+
+
+def _shares(J: np.ndarray, gains: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """Change (H, 6) of each hand at which its own gains make the wrench that all make together.
+
+    Together the hands J (H, 6, n) have the compliance ``C = J G^-1 J^T``, all blocks of it, and
+    the wrench ``F = C^+ J change``; hand h alone makes it by ``C_hh F_h``. For one hand that is
+    its own motion.
+    """
+    if len(J) == 1 or not gains.any():
+        moved: np.ndarray = J @ change
+        return moved
+    stacked = J.reshape(-1, J.shape[-1])
+    C = stacked @ np.linalg.solve(gains, stacked.T)
+    wrench = np.linalg.pinv(C, rcond=1e-10) @ (stacked @ change)
+    rows = [slice(6 * h, 6 * h + 6) for h in range(len(J))]
+    return np.array([C[r, r] @ wrench[r] for r in rows])
 
 
 def _symmetric(K: np.ndarray) -> np.ndarray:

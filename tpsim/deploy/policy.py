@@ -126,12 +126,11 @@ class Policy:
         """Begin anew: the next call is the start, and its posture the start posture."""
         self._controller: Controller | None = None
         self._drive = Drive(self.robot, self.period)
-        self._hands = {
-            hand: HandFilter(site, self.limits) for hand, site in self.robot.hands.items()
-        }
+        self._hands = HandFilter(self.robot.hands, self.limits)
         self._state: State | None = None
         self._now: Impedance | np.ndarray | None = None
-        self._since = self._filtered = 0.0
+        self._filtered: float | None = None
+        self._since = 0.0
 
     def command(
         self,
@@ -175,10 +174,9 @@ class Policy:
         state, now = self._follow(q, dq, objects, time)
         if not isinstance(now, Impedance):
             raise ArgumentError("this policy commands torques: it has no impedance")
-        gone = state.time - self._filtered if self._filtered else self.period
+        gone = self.period if self._filtered is None else state.time - self._filtered
         self._filtered = state.time
-        since = state.time - self._since
-        return {hand: f.follow(now, state, since, gone) for hand, f in self._hands.items()}
+        return self._hands.follow(now, state, state.time - self._since, gone)
 
     def _follow(
         self, q: ArrayLike, dq: ArrayLike, objects: Objects | Mapping[str, Seen], time: float

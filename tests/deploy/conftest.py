@@ -29,7 +29,11 @@ def learned():
     def learned(kind):
         task = TASKS[kind]
         cup = isinstance(task, CupAndSugar)
-        taught = read_demonstrations(task) if cup else teach(task, 2)
+        taught = (
+            read_demonstrations(task)
+            if cup
+            else teach(task, 1 if isinstance(task, Tracking) else 2)
+        )
         return task, learn(task, taught)
 
     return learned

@@ -40,23 +40,23 @@ def robot(request, awkward, cup_world, jaco_robot):
 
 
 def test_mass_bias_poses_and_jacobians_agree(robot):
-    model, rng = robot.model, np.random.default_rng(0)
+    model, rng, dof = robot.model, np.random.default_rng(0), robot.simulated.dof
     data, M, J = mujoco.MjData(model), np.zeros((model.nv, model.nv)), np.zeros((6, model.nv))
     for _ in range(50):
         q, dq = rng.uniform(-2, 2, (2, robot.n))
-        data.qpos[robot.simulated.qpos], data.qvel[robot.simulated.dof] = q, dq
+        data.qpos[robot.simulated.qpos], data.qvel[dof] = q, dq
         mujoco.mj_forward(model, data)
         mujoco.mj_fullM(model, data, M)
         state = robot.at(q, dq)
-        np.testing.assert_allclose(state.mass, M[np.ix_(robot.simulated.dof, robot.simulated.dof)], atol=1e-10)
-        np.testing.assert_allclose(state.bias, data.qfrc_bias[robot.simulated.dof], atol=1e-10)
+        np.testing.assert_allclose(state.mass, M[np.ix_(dof, dof)], atol=1e-10)
+        np.testing.assert_allclose(state.bias, data.qfrc_bias[dof], atol=1e-10)
         for name in robot.sites:
             site, pose = model.site(name).id, state.pose(name)
             mujoco.mj_jacSite(model, data, J[:3], J[3:], site)
             np.testing.assert_allclose(pose.position, data.site_xpos[site], atol=1e-10)
             np.testing.assert_allclose(pose.rotation.ravel(), data.site_xmat[site], atol=1e-10)
-            np.testing.assert_allclose(state.jacobian(name), J[:, robot.simulated.dof], atol=1e-10)
-            np.testing.assert_allclose(state.twist(name), J[:, robot.simulated.dof] @ dq, atol=1e-9)
+            np.testing.assert_allclose(state.jacobian(name), J[:, dof], atol=1e-10)
+            np.testing.assert_allclose(state.twist(name), J[:, dof] @ dq, atol=1e-9)
 
 
 def test_gravity_torque_is_the_bias_at_rest(robot):

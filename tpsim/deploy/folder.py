@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
+import numpy as np
+
 from tpsim.archive import load_arrays, save_arrays
 from tpsim.control.poses import SeenMovement
 from tpsim.deploy.recipes import (
@@ -19,9 +21,11 @@ from tpsim.deploy.recipes import (
     WrittenSkill,
 )
 from tpsim.deploy.robot_file import RobotFile
+from tpsim.deploy.sensed import objects_in
 from tpsim.deploy.values import Reader, taken_apart
-from tpsim.errors import RecordingError
+from tpsim.errors import ArgumentError, RecordingError, TpsimError
 from tpsim.gaussian import Gaussian
+from tpsim.pose import Pose
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.direction import Bearing, Direction
 from tpsim.robot.views.joints import Joints, Spare
@@ -59,6 +63,10 @@ class Content:
     task: str
     period: float
     recipe: Recipe
+
+    def __post_init__(self) -> None:
+        if not 0 < self.period < 1:
+            raise ArgumentError(f"period is {self.period} s; from above 0 to below 1")
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,4 +121,21 @@ def read(folder: Path, views: Sequence[type[View]] = ()) -> tuple[Content, Robot
     kinds = {kind.__name__: kind for kind in (*_PARTS, *_RECIPES, *_VIEWS, *views)}
     reader = Reader(kinds, load_arrays(folder / ARRAYS, "policy"), where)
     whole = cast(_Whole, reader.read(about.get("policy"), _Whole))
-    return whole.content, Robot(whole.robot.mechanism())
+    robot = Robot(whole.robot.mechanism())
+    try:
+        _check(whole.content, robot)
+    except (TpsimError, ValueError, TypeError, LookupError) as error:
+        reason = " ".join(str(error).split())
+        raise RecordingError(f"{where} is damaged: it does not fit together ({reason})") from None
+    return whole.content, robot
+
+
+def _check(content: Content, robot: Robot) -> None:
+    """Make the controller, and look through every view: sites, joints and sizes must agree."""
+    recipe = content.recipe
+    recipe.controller(robot, robot.home, content.period)
+    ahead = Pose(np.eye(3), np.array([0.5, 0.1, 0.2]))
+    state = robot.at(robot.home, objects=dict.fromkeys(objects_in(recipe), ahead))
+    for view, size in recipe.seen():
+        if (found := view(state).value.size) != size:
+            raise ArgumentError(f"a model of {size} dimensions has a view of {found}")

@@ -1,9 +1,9 @@
 """Recipes: what tpsim's controllers are made from, as plain values that a file can hold."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal, TypeVar
+from typing import Literal
 
 import numpy as np
 
@@ -18,10 +18,9 @@ from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.robot.robot import Robot
+from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.view import View
 from tpsim.world.impedance import Controller
-
-R = TypeVar("R", bound="Recipe")
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +35,11 @@ class WrittenSkill:
     def of(cls, skill: Skill) -> "WrittenSkill":
         """A skill without the history of its learning."""
         return cls(dict(skill.views), skill.model.priors, skill.model.frames)
+
+    def seen(self, inputs: int = 0) -> Iterator[tuple[View, int]]:
+        """Views, and the dimensions of their frames besides the inputs."""
+        for view, frame in zip(self.views.values(), self.frames, strict=True):
+            yield view, frame.dim - inputs
 
     @property
     def skill(self) -> Skill:
@@ -55,6 +59,10 @@ class Recipe(ABC):
 
     lasts: float
 
+    def __post_init__(self) -> None:
+        if not self.lasts > 0:
+            raise ArgumentError(f"lasts is {self.lasts} s; it must be positive")
+
     @abstractmethod
     def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
         """A new controller that starts at a posture (n,) [rad] and is called every period [s]."""
@@ -62,6 +70,10 @@ class Recipe(ABC):
     def free_of(self, start: np.ndarray) -> "Recipe":
         """The same where nothing is written down that is the start posture itself."""
         return self
+
+    def seen(self) -> Iterator[tuple[View, int]]:
+        """The views that skills observe, with the number of dimensions that models have."""
+        yield from ()
 
     def _every(self, period: float) -> int:
         return max(1, round(self.lasts / period))
@@ -77,6 +89,11 @@ class _Held(Recipe):
     effort: float
     prior: Gaussian | None
     held: bool
+
+    def seen(self) -> Iterator[tuple[View, int]]:
+        """The prior sees all joints."""
+        if self.prior is not None:
+            yield Joints(), self.prior.dim
 
     def free_of(self, start: np.ndarray) -> "Recipe":
         """The same with the mean of the prior to be filled in at the start."""
@@ -98,6 +115,17 @@ class InterventionRecipe(_Held):
     law: Literal["MinimalIntervention", "Pursuit"]
     skills: tuple[WrittenSkill, ...]
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.skills:
+            raise ArgumentError("there is no skill")
+
+    def seen(self) -> Iterator[tuple[View, int]]:
+        """Views and dimensions of the prior and of all skills."""
+        yield from super().seen()
+        for skill in self.skills:
+            yield from skill.seen()
+
     def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
         """A new controller."""
         skills = [written.skill for written in self.skills]
@@ -114,6 +142,11 @@ class TimedRecipe(_Held):
 
     skill: WrittenSkill
     until: float
+
+    def seen(self) -> Iterator[tuple[View, int]]:
+        """Views and dimensions of the prior and of the skill, where time comes before them."""
+        yield from super().seen()
+        yield from self.skill.seen(inputs=1)
 
     def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
         """A new controller."""
@@ -139,6 +172,12 @@ class HorizonRecipe(Recipe):
     dt: float
     effort: float
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        lengths = {len(movement) for movement in self.movements} | {len(self.posture.mean)}
+        if not 0 < len(self.objects) == len(self.movements) or len(lengths) > 1:
+            raise ArgumentError("objects, movements and posture do not fit each other")
+
     def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
         """A new controller."""
         return FiniteHorizon(
@@ -161,13 +200,19 @@ class FixedRecipe(Recipe):
     posture: np.ndarray | None
     stiffness: float
 
+    def seen(self) -> Iterator[tuple[View, int]]:
+        """The posture is one of all joints."""
+        if self.posture is not None:
+            yield Joints(), self.posture.size
+
     def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
         """A new controller."""
         return FixedImpedance(start if self.posture is None else self.posture, self.stiffness)
 
     def free_of(self, start: np.ndarray) -> Recipe:
         """The same without a posture that is the start."""
-        return replace(self, posture=None) if np.array_equal(self.posture, start) else self
+        held = self.posture is not None and np.array_equal(self.posture, start)
+        return replace(self, posture=None) if held else self
 
 
 def recipe_of(controller: object, period: float) -> Recipe:
@@ -187,12 +232,13 @@ def recipe_of(controller: object, period: float) -> Recipe:
         lasts = controller.every * period
         return InterventionRecipe(lasts, controller.effort, controller.prior, False, law, skills)
     if isinstance(controller, TimedIntervention) and kind is TimedIntervention:
-        c, lasts = controller, controller.every * period
-        return TimedRecipe(lasts, c.effort, c.prior, False, WrittenSkill.of(c.skill), c.until)
+        lasts, timed = controller.every * period, controller
+        skill = WrittenSkill.of(timed.skill)
+        return TimedRecipe(lasts, timed.effort, timed.prior, False, skill, timed.until)
     if isinstance(controller, FiniteHorizon) and kind is FiniteHorizon:
-        c = controller
-        parts = c.objects, c.movements, c.posture, c.joints, c.site, c.dt, c.effort
-        return HorizonRecipe(c.every * period, *parts)
+        f = controller
+        parts = f.objects, f.movements, f.posture, f.joints, f.site, f.dt, f.effort
+        return HorizonRecipe(f.every * period, *parts)
     if isinstance(controller, FixedImpedance) and kind is FixedImpedance:
         return FixedRecipe(period, controller.posture, controller.stiffness)
     raise ArgumentError(

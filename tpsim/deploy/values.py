@@ -86,9 +86,11 @@ class Reader:
                 raise self._wrong(f"the array {found['array']!r} holds what is no number", path)
             return array
         if "items" in found:
-            inner = _item(hint)
-            return {str(k): self.read(v, inner, f"{path}.{k}") for k, v in found["items"]}
-        name = found.get("kind")
+            pairs, inner = found["items"], _item(hint, Mapping)
+            if inner is None or not isinstance(pairs, list) or not all(map(_is_pair, pairs)):
+                raise self._wrong("what is mapped here is out of place", path)
+            return {k: self.read(v, inner, f"{path}.{k}") for k, v in pairs}
+        name = str(found.get("kind"))
         if name not in self._kinds:
             raise self._wrong(
                 f"unknown kind {name!r}; pass your own views as Policy.load(folder, views=[...])",
@@ -112,7 +114,9 @@ class Reader:
             raise self._wrong(str(error), path) from None
 
     def _of_list(self, found: list[Any], hint: Any, path: str) -> object:
-        inner = _item(hint)
+        inner = _item(hint, tuple)
+        if inner is None:
+            raise self._wrong("a list is out of place", path)
         return tuple(self.read(item, inner, f"{path}[{i}]") for i, item in enumerate(found))
 
     def _plain(self, found: object, hint: Any, path: str) -> object:
@@ -142,10 +146,14 @@ def _allows(hint: Any, kind: type) -> bool:
     return any(isinstance(arm, type) and issubclass(kind, arm) for arm in _arms(hint))
 
 
-def _item(hint: Any) -> Any:
-    """What a container of this type holds: the last argument of tuple[X, ...], Mapping[str, X]."""
+def _item(hint: Any, container: type) -> Any:
+    """X of ``tuple[X, ...]`` or ``Mapping[str, X]``; None where a type is no such container."""
     for arm in _arms(hint):
-        held = [a for a in get_args(arm) if a is not Ellipsis]
-        if get_origin(arm) is not None and held:
-            return held[-1]
-    return type(None)
+        origin = get_origin(arm)
+        if isinstance(origin, type) and issubclass(origin, container):
+            return [a for a in get_args(arm) if a is not Ellipsis][-1]
+    return None
+
+
+def _is_pair(found: object) -> bool:
+    return isinstance(found, list) and len(found) == 2 and isinstance(found[0], str)

@@ -103,7 +103,7 @@ IN_RECIPE = ("policy", "content", "recipe")
         ((*IN_RECIPE, "law"), "Chaos", "'Chaos' is out of place"),
         ((*IN_RECIPE, "lasts"), 0.0, "lasts is 0.0"),
         ((*IN_RECIPE, "skills"), {"items": 3}, "what is mapped here is out of place"),
-        ((*IN_RECIPE, "skills"), [], "does not fit together"),
+        ((*IN_RECIPE, "skills"), [], "there is no skill"),
         ((*IN_RECIPE, "skills", 0, "views"), {"items": []}, "0 views"),
         ((*IN_RECIPE, "skills", 0, "views", "items", 0, 1, "part"), "nose", "'nose' is out of"),
         ((*IN_RECIPE, "skills", 0, "views", "items", 0, 1, "site"), "nose", "no site 'nose'"),

@@ -5,7 +5,7 @@ BIN := .venv/bin
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: install demo test lint architecture clean
+.PHONY: install demo test lint wheel architecture clean
 
 install: .venv/installed
 
@@ -17,8 +17,16 @@ install: .venv/installed
 demo: install
 	$(BIN)/tpsim run cup-and-sugar
 
-test: install lint
+test: install lint wheel
 	$(BIN)/python -m pytest
+
+# What a user adds, through the installed wheel: nothing of the checkout is on its path.
+wheel: install
+	rm -rf .venv/wheel .venv/site
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps -w .venv/wheel .
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --target .venv/site .venv/wheel/*.whl
+	cd .venv/site && PYTHONPATH=$(CURDIR)/.venv/site TPSIM_SITE=$(CURDIR)/.venv/site \
+		../bin/python -m pytest -p no:cacheprovider $(CURDIR)/tests/outside
 
 lint: install
 	$(BIN)/ruff check .

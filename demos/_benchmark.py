@@ -52,7 +52,7 @@ def benchmark(
 
     def main() -> dict[str, Bounded]:
         paths = [Gaussian(way, np.zeros((len(way), 2, 2))) for way in retrieve()[1]]
-        ends, angles = shared.errors(paths, "end_error"), shared.errors(paths, "entry_angle")
+        ends, angles = shared.errors(paths, "end"), shared.errors(paths, "entry")
         near = "near the taught situations every method works: within the object"
         side = "0 is straight through the open side of the U, 90 is through a wall"
         return {

@@ -21,7 +21,7 @@ def retrieve():
 def main():
     figures = {}
     for name, paths in retrieve().items():
-        near, *_, far = shared.errors(paths, "end_error")
+        near, *_, far = shared.errors(paths, "end")
         figures[f"{name}_end_error_near_m"] = within(
             near, 0, 0.5 * shared.WIDTH, "the end is inside the second object"
         )

@@ -1,116 +1,131 @@
-"""Archives of arrays (.npz): written whole or not at all, read without pickles and with bounds."""
+"""Archives (.npz) of values and models: written whole or not at all, read without pickles.
 
-import math
-import zipfile
+A value is stored as the arrays of its fields under dotted names, with the name of its class and
+the version of this layout. :func:`load` reads any of them back as the class that it was.
+"""
+
 from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from os import PathLike
 from pathlib import Path
-from typing import IO
+from typing import ClassVar, Self
 
 import numpy as np
 
-from tpsim.errors import RecordingError
-from tpsim.whole import whole_file
+from tpsim.errors import ArgumentError, RecordingError
+from tpsim.npz import read_members, write_members
 
-MEMBERS = 1024
-"""Most arrays in an archive."""
+SCHEMA = 1
 
-BYTES = 2**30
-"""Most bytes in an archive."""
-
-_NUMBERS_AND_TEXT = "biufcU"
+Arrays = dict[str, np.ndarray]
 
 
-def save_arrays(path: str | Path, kind: str, arrays: Mapping[str, np.ndarray]) -> Path:
-    """Write named arrays to ``path``, under a temporary name until the file is complete.
+class Part:
+    """Base of frozen dataclasses that an archive can hold, alone or inside of others."""
 
-    Parameters
-    ----------
-    path : file name
-        Its folder is made where it is missing.
-    kind : str
-        What the archive holds; :func:`load_arrays` refuses another kind.
-    arrays : mapping of names to arrays
-        Numbers or text, no objects.
-    """
-    path = Path(path)
-    with whole_file(path) as file:
-        np.savez(file, allow_pickle=False, kind=np.array(kind), **arrays)
-    return path
+    kinds: ClassVar[dict[str, type["Part"]]] = {}
+
+    def __init_subclass__(cls, **options: object) -> None:
+        """Make the class known to archives by its name."""
+        super().__init_subclass__(**options)
+        Part.kinds[cls.__name__] = cls
 
 
-def load_arrays(path: str | Path, kind: str) -> dict[str, np.ndarray]:
-    """Read the arrays of an archive.
+class Stored(Part):
+    """Base of the values and models that have ``save`` and ``load``."""
 
-    Raises
-    ------
-    RecordingError
-        The file is missing, truncated, too large, holds pickles, or is of another kind.
-    """
-    arrays = read_members(path)
-    found = str(arrays.pop("kind", "of unknown kind"))
-    if found != kind:
-        raise RecordingError(f"{path} is {found:.60}; a {kind} was asked for")
-    return arrays
+    def save(self, path: str | Path) -> Path:
+        """Write to an .npz archive, whole or not at all, without pickles."""
+        return save_arrays(path, _packed("", self))
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read what :meth:`save` wrote; RecordingError where the file is something else."""
+        found = load(path)
+        if not isinstance(found, cls):
+            raise RecordingError(
+                f"{path} is a {type(found).__name__}; a {cls.__name__} was asked for "
+                "(tpsim.load reads either)"
+            )
+        return found
 
 
-def read_members(path: str | Path) -> dict[str, np.ndarray]:
-    """Read an uncompressed archive of arrays, whoever wrote it.
-
-    Sizes are checked before anything is allocated: no array is larger than its part of the file.
+def load(path: str | Path) -> Stored:
+    """Read any value or model that its ``save`` wrote, as the class that it was.
 
     Raises
     ------
     RecordingError
-        The file is missing, truncated, too large, compressed, or holds pickles.
+        The file is missing, truncated, of another kind, or of a newer version of tpsim.
     """
-    path = Path(path)
-    if not path.is_file():
-        raise RecordingError(f"there is no file {path}; give the name of an .npz that tpsim wrote")
-    try:
-        with zipfile.ZipFile(path) as archive:
-            infos = archive.infolist()
-            _check_sizes(infos, path.stat().st_size)
-            return {i.filename.removesuffix(".npy"): _read(archive, i) for i in infos}
-    # The parsers of zip and npy raise about anything when bytes are tampered with.
-    except Exception as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
+    arrays = load_arrays(path)
+    schema = arrays.get("schema")
+    if schema is None or schema.ndim or schema.dtype.kind not in "iu" or "kind" not in arrays:
+        raise RecordingError(f"{path} holds no value or model of tpsim; use a file of save()")
+    if int(schema) > SCHEMA:
         raise RecordingError(
-            f"{path} is truncated or no recording ({reason:.200}); delete it and record again"
-        ) from None
+            f"{path} has schema {int(schema)}, this version reads up to {SCHEMA}; update tpsim"
+        )
+    try:
+        found = _unpacked("", arrays)
+    except (ArgumentError, KeyError, TypeError, ValueError, AttributeError) as error:
+        raise RecordingError(f"{path} is damaged ({error})") from error
+    if not isinstance(found, Stored):
+        raise RecordingError(f"{path} holds a {type(found).__name__}, which does not stand alone")
+    return found
 
 
-def _check_sizes(infos: list[zipfile.ZipInfo], size: int) -> None:
-    names = {info.filename for info in infos}
-    if len(infos) > MEMBERS or len(names) < len(infos):
-        raise ValueError(f"{len(infos)} arrays, {len(names)} names; at most {MEMBERS} arrays")
-    if any(i.compress_type != zipfile.ZIP_STORED or i.file_size != i.compress_size for i in infos):
-        raise ValueError("it is compressed, tpsim writes plain archives")
-    total = sum(info.file_size for info in infos)
-    if total > min(size, BYTES):
-        raise ValueError(f"it claims {total} bytes; the file has {size}, at most {BYTES}")
+def save_arrays(path: str | Path, arrays: Mapping[str, np.ndarray]) -> Path:
+    """Write named arrays with the version of this layout."""
+    return write_members(path, {"schema": np.array(SCHEMA), **arrays})
 
 
-def _read(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> np.ndarray:
-    with archive.open(info) as file:
-        shape, dtype = _header(file)
-        claimed = file.tell() + math.prod(shape) * dtype.itemsize
-        if dtype.kind not in _NUMBERS_AND_TEXT or min(shape, default=0) < 0:
-            raise ValueError(f"{info.filename} is {dtype} {shape}; arrays hold numbers or text")
-        if claimed != info.file_size:
-            raise ValueError(f"{info.filename} claims {claimed} bytes, it has {info.file_size}")
-        file.seek(0)
-        array: np.ndarray = np.lib.format.read_array(file, allow_pickle=False)
-        # The checksum is compared at the end of the file only.
-        file.read(1)
-    return array
+def load_arrays(path: str | Path) -> Arrays:
+    """Read the arrays of an archive; RecordingError where it is missing or damaged."""
+    if not isinstance(path, str | PathLike):
+        raise ArgumentError(f"path is a {type(path).__name__}; give a file name")
+    return read_members(path)
 
 
-def _header(file: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
-    version = np.lib.format.read_magic(file)
-    if version == (1, 0):
-        shape, _, dtype = np.lib.format.read_array_header_1_0(file)
-    elif version == (2, 0):
-        shape, _, dtype = np.lib.format.read_array_header_2_0(file)
-    else:
-        raise ValueError(f"version {version} of its format")
-    return shape, dtype
+def _packed(prefix: str, value: object) -> Arrays:
+    """Arrays of a value whose fields are named ``prefix`` + field."""
+    if isinstance(value, Part) and is_dataclass(value):
+        packed = {f"{prefix}kind": np.array(type(value).__name__)}
+        for field in fields(value):
+            packed |= _field(f"{prefix}{field.name}", getattr(value, field.name))
+        return packed
+    if isinstance(value, tuple | list):
+        packed = {f"{prefix}kind": np.array("tuple"), f"{prefix}length": np.array(len(value))}
+        for i, entry in enumerate(value):
+            packed |= _field(f"{prefix}{i}", entry)
+        return packed
+    raise ArgumentError(f"{prefix.rstrip('.')} is a {type(value).__name__}, which is not stored")
+
+
+def _field(name: str, value: object) -> Arrays:
+    if value is None:
+        return {f"{name}.kind": np.array("None")}
+    if isinstance(value, np.ndarray | np.generic | str | int | float):
+        return {name: np.asarray(value)}
+    return _packed(f"{name}.", value)
+
+
+def _unpacked(prefix: str, arrays: Arrays) -> object:
+    kind = str(arrays[f"{prefix}kind"])
+    if kind == "None":
+        return None
+    if kind == "tuple":
+        length = int(arrays[f"{prefix}length"])
+        return tuple(_read(f"{prefix}{i}", arrays) for i in range(length))
+    if kind not in Part.kinds:
+        raise KeyError(f"kind {kind!r} is not known")
+    cls = Part.kinds[kind]
+    assert is_dataclass(cls)
+    return cls(**{field.name: _read(f"{prefix}{field.name}", arrays) for field in fields(cls)})
+
+
+def _read(name: str, arrays: Arrays) -> object:
+    if name not in arrays:
+        return _unpacked(f"{name}.", arrays)
+    array = arrays[name]
+    return array.item() if array.ndim == 0 else array

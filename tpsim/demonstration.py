@@ -2,62 +2,139 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.archive import load_arrays, save_arrays
+from tpsim import rotation
+from tpsim.agreement import warn_of_jumps
+from tpsim.archive import Stored
+from tpsim.checks import entries, finite_array, flag, frozen, frozen_array, several, stamps, whole
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
-from tpsim.gaussian import finite_array
+from tpsim.timeline import differentiate, interpolate, new_times
 
 
-@dataclass(frozen=True, eq=False)
-class Demonstration:
+@dataclass(frozen=True, eq=False, init=False)
+class Demonstration(Stored):
     """A movement seen from several frames of reference.
 
     Parameters
     ----------
     time : (T,)
-        Strictly increasing [s].
+        Strictly increasing [s]. Durations (timedelta) are converted by their unit, dates
+        (datetime) to seconds since the first sample.
     data : (T, D)
         The movement in common coordinates.
-    frames : sequence of P Frame
+    frames : Frame, or sequence of P Frame, optional
         Constant, or moving with leading axis T.
     observations : sequence of P arrays (T, d_j), optional
-        What each frame saw; default ``frame.to_local(data)``, Eq. (4).
+        What each frame saw; default ``frame.to_local(data)``, Eq. (4). Without frames they are
+        views of any kind, which a model can learn but which nothing can adapt.
     name : str
+        Shown in error messages.
+
+    Everything is copied, and read-only from then on.
 
     Raises
     ------
     ArgumentError
-        No samples, NaN, a time that stands still, or shapes that do not fit together.
+        No samples, NaN, a time that stands still, or shapes that do not fit together; with the
+        first row that is wrong.
     """
 
     time: np.ndarray
     data: np.ndarray
-    frames: tuple[Frame, ...] = ()
-    observations: tuple[np.ndarray, ...] | None = None
-    name: str = ""
+    frames: tuple[Frame, ...]
+    observations: tuple[np.ndarray, ...]
+    name: str
 
-    def __post_init__(self):
-        time, data = finite_array("time", self.time), finite_array("data", self.data)
-        frames = tuple(self.frames)
-        _check(time, data, frames)
-        if self.observations is None:
-            observations = tuple(frame.to_local(data) for frame in frames)
+    def __init__(
+        self,
+        time: ArrayLike,
+        data: ArrayLike,
+        frames: Sequence[Frame] | Frame | None = (),
+        observations: Sequence[ArrayLike] | None = None,
+        name: str = "",
+    ):
+        name = str(name)
+        label = f"demonstration {name!r}: " if name else ""
+        times = frozen(np.array(stamps(f"{label}time", time)))
+        values = frozen_array(f"{label}data", data)
+        given = several(f"{label}frames", () if frames is None else frames, Frame, "Frame(A, b)")
+        _check(label, times, values, given)
+        if observations is None:
+            seen = tuple(frozen(frame.to_local(values)) for frame in given)
         else:
-            observations = tuple(finite_array("observations", o) for o in self.observations)
-            _check_observations(observations, frames, len(time))
-        for name, value in (
-            ("time", time),
-            ("data", data),
-            ("frames", frames),
-            ("observations", observations),
-            ("name", str(self.name)),
+            seen = tuple(
+                frozen_array(f"{label}observations[{j}]", view)
+                for j, view in enumerate(entries("observations", observations))
+            )
+            _check_observations(label, seen, given, len(times))
+        for field, value in (
+            ("time", times),
+            ("data", values),
+            ("frames", tuple(given)),
+            ("observations", seen),
+            ("name", str(name)),
         ):
-            object.__setattr__(self, name, value)
+            object.__setattr__(self, field, value)
+
+    @classmethod
+    def from_poses(
+        cls,
+        time: ArrayLike,
+        positions: ArrayLike,
+        orientations: ArrayLike,
+        convention: str = "wxyz",
+        *,
+        degrees: bool = False,
+        frames: Sequence[Frame] | Frame | None = (),
+        observations: Sequence[ArrayLike] | None = None,
+        name: str = "",
+    ) -> "Demonstration":
+        """Movement of a body: columns x, y, z [m] and a unit quaternion w, x, y, z.
+
+        Parameters
+        ----------
+        time : (T,)
+            As in the class.
+        positions : (T, 3)
+            [m].
+        orientations : (T, 4), (T, 3, 3), (T, 3) or (T,)
+            As ``convention`` says.
+        convention : str
+            Quaternions ``"wxyz"`` or ``"xyzw"``, ``"matrix"`` for rotation matrices, or Euler
+            angles by scipy's names: ``"xyz"`` about fixed axes, ``"ZYX"`` about turning ones.
+        degrees : bool
+            Euler angles are in degrees.
+        frames, observations, name
+            As in the class; frames have D = 7.
+
+        Raises
+        ------
+        ArgumentError
+            An unknown convention, quaternions that are not of unit length, or matrices that are
+            no rotations, with their first row.
+
+        Notes
+        -----
+        Quaternions keep their sign from sample to sample, beginning with w >= 0;
+        :func:`tpsim.agree` brings several demonstrations to one sign. A DataWarning names the
+        first place where neighbours are more than 60 degrees apart.
+        """
+        name = str(name)
+        label = f"demonstration {name!r}: " if name else ""
+        positions = finite_array(f"{label}positions", positions)
+        if positions.ndim != 2 or positions.shape[1] != 3:
+            raise ArgumentError(f"{label}positions have shape {positions.shape}; give (T, 3)")
+        q = rotation.quaternions(f"{label}orientations", orientations, convention, degrees)
+        if len(q) != len(positions):
+            raise ArgumentError(f"{label}{len(positions)} positions and {len(q)} orientations")
+        q = rotation.continuous(q if q[0, 0] >= 0 else -q)
+        rotation.warn_of_turns(f"{label}orientations", q)
+        return cls(time, np.hstack([positions, q]), frames, observations, name)
 
     def __len__(self) -> int:
         return len(self.time)
@@ -83,14 +160,15 @@ class Demonstration:
         Every column is interpolated for itself. A moving frame that is a rotation is brought
         back to the nearest rotation.
         """
-        times = self._new_times(times)
+        times, smooth = new_times(self.time, times), flag("smooth", smooth)
 
         def at(values: np.ndarray) -> np.ndarray:
-            return _interpolate(self.time, values, times, smooth)
+            return interpolate(self.time, values, times, smooth)
 
-        frames = tuple(_resample_frame(frame, at) for frame in self.frames)
-        observations = tuple(at(o) for o in self.observations)
-        return Demonstration(times, at(self.data), frames, observations, self.name)
+        frames = [_resampled(frame, at) for frame in self.frames]
+        return Demonstration(
+            times, at(self.data), frames, [at(view) for view in self.observations], self.name
+        )
 
     def with_time(self, input: ArrayLike | None = None) -> "Demonstration":
         """Put an input in front of the data and of every frame's view, Eq. (20).
@@ -101,133 +179,77 @@ class Demonstration:
             Default the time since the start of the movement [s].
         """
         given = self.time - self.time[0] if input is None else finite_array("input", input)
-        columns = given.reshape(len(given), -1) if given.ndim else given
-        if columns.shape[:1] != self.time.shape:
+        if given.shape[:1] != self.time.shape or given.size == 0:
             raise ArgumentError(
                 f"input has shape {given.shape}; it needs one row per sample, T = {len(self)}"
             )
+        columns = given.reshape(len(given), -1)
         n = columns.shape[1]
         return Demonstration(
             self.time,
             np.hstack([columns, self.data]),
-            tuple(frame.with_input(n) for frame in self.frames),
-            tuple(np.hstack([columns, o]) for o in self.observations),
+            [frame.with_input(n) for frame in self.frames],
+            [np.hstack([columns, view]) for view in self.observations],
             self.name,
         )
 
     def with_derivatives(self, n: int = 2) -> "Demonstration":
         """Append ``n`` derivatives to the data and to every frame's view, Eqs (21-22) and (32).
 
-        Forward differences; the movement is taken to rest after its last sample, so the last
-        derivative is zero.
+        Forward divided differences, exact for polynomials of degree n at any spacing of the
+        stamps; the movement is taken to rest after its last sample, so the last derivative is
+        zero.
         """
+        n = whole("n", n)
+        warn_of_jumps(self.data, self.name)
+        extended = partial(differentiate, self.time, n=n)
         return Demonstration(
             self.time,
-            _differentiate(self.time, self.data, n),
-            tuple(frame.with_derivatives(n) for frame in self.frames),
-            tuple(_differentiate(self.time, o, n) for o in self.observations),
+            extended(self.data),
+            [frame.with_derivatives(n) for frame in self.frames],
+            [extended(view) for view in self.observations],
             self.name,
         )
 
-    def save(self, path: str | Path) -> Path:
-        """Write to an .npz archive, whole or not at all, without pickles."""
-        arrays = {"time": self.time, "data": self.data, "name": np.array(self.name)}
-        for j, (frame, observation) in enumerate(zip(self.frames, self.observations, strict=True)):
-            arrays |= {f"A_{j}": frame.A, f"b_{j}": frame.b, f"observation_{j}": observation}
-        return save_arrays(path, "demonstration", arrays)
 
-    @classmethod
-    def load(cls, path: str | Path) -> "Demonstration":
-        """Read what :meth:`save` wrote; RecordingError where the file is something else."""
-        arrays = load_arrays(path, "demonstration")
-        count = sum(name.startswith("A_") for name in arrays)
-        return cls(
-            arrays["time"],
-            arrays["data"],
-            tuple(Frame(arrays[f"A_{j}"], arrays[f"b_{j}"]) for j in range(count)),
-            tuple(arrays[f"observation_{j}"] for j in range(count)),
-            str(arrays["name"]),
-        )
-
-    def _new_times(self, times: int | ArrayLike) -> np.ndarray:
-        first, last = self.time[0], self.time[-1]
-        if np.ndim(times) == 0:
-            if times < 1 or times != int(times):
-                raise ArgumentError(f"times is {times}; ask for a whole number of samples >= 1")
-            return np.linspace(first, last, int(times))
-        times = finite_array("times", times)
-        if times.size == 0 or times.min() < first or times.max() > last:
-            raise ArgumentError(
-                f"times must be inside the demonstration, {first} to {last} s, and not empty"
-            )
-        return times
-
-
-def _check(time: np.ndarray, data: np.ndarray, frames: Sequence[Frame]) -> None:
-    T = len(time) if time.ndim == 1 else 0
-    if T == 0 or data.ndim != 2 or len(data) != T or data.shape[1] == 0:
+def _check(label: str, time: np.ndarray, data: np.ndarray, frames: Sequence[Frame]) -> None:
+    T = len(time)
+    if data.ndim != 2 or len(data) != T or data.shape[1] == 0:
         raise ArgumentError(
-            f"time has shape {time.shape} and data {data.shape}; they must be (T,) and (T, D) "
-            "with T >= 1 and D >= 1"
+            f"{label}time has shape {time.shape} and data {data.shape}; they must be (T,) and "
+            "(T, D) with T >= 1 and D >= 1"
         )
-    if (np.diff(time) <= 0).any():
-        raise ArgumentError("time must increase strictly from sample to sample")
     for j, frame in enumerate(frames):
-        if not isinstance(frame, Frame):
-            raise ArgumentError(f"frame {j} is a {type(frame).__name__}; give a Frame(A, b)")
         if frame.dim != data.shape[1] or frame.shape not in ((), (T,)):
             raise ArgumentError(
-                f"frame {j} has A of shape {frame.A.shape}; with this data it must be "
+                f"{label}frame {j} has A of shape {frame.A.shape}; with this data it must be "
                 f"({data.shape[1]}, d) or ({T}, {data.shape[1]}, d)"
             )
 
 
-def _check_observations(observations: Sequence, frames: Sequence[Frame], T: int) -> None:
-    given = [o.shape for o in observations]
-    # Observations may come without the frames that would carry them to common coordinates.
-    expected = [(T, frame.local_dim) for frame in frames] or [(T, *s[1:2]) for s in given]
-    if given != expected:
-        raise ArgumentError(f"observations have shapes {given}; the frames ask for {expected}")
+def _check_observations(
+    label: str, observations: Sequence[np.ndarray], frames: Sequence[Frame], T: int
+) -> None:
+    given = [view.shape for view in observations]
+    if frames:
+        expected = [(T, frame.local_dim) for frame in frames]
+        fits, asked = given == expected, f"the frames ask for {expected}"
+    else:
+        fits = all(len(shape) == 2 and shape[0] == T and shape[1] for shape in given)
+        asked = f"each must be ({T}, d_j)"
+    if not fits:
+        raise ArgumentError(f"{label}observations have shapes {given}; {asked}")
 
 
-def _interpolate(
-    time: np.ndarray, values: np.ndarray, times: np.ndarray, smooth: bool
-) -> np.ndarray:
-    if len(time) == 1:
-        return np.repeat(values, len(times), axis=0)
-    if smooth:
-        if len(time) < 4:
-            raise ArgumentError(f"a cubic spline needs 4 samples, {len(time)} were given")
-        from scipy.interpolate import CubicSpline
-
-        return CubicSpline(time, values)(times)
-    after = np.clip(np.searchsorted(time, times), 1, len(time) - 1)
-    before = after - 1
-    share = (times - time[before]) / (time[after] - time[before])
-    share = share.reshape(-1, *(1,) * (values.ndim - 1))
-    return (1 - share) * values[before] + share * values[after]
-
-
-def _resample_frame(frame: Frame, at) -> Frame:
+def _resampled(frame: Frame, at) -> Frame:
     if not frame.shape:
         return frame
     A = at(frame.A)
     if _orthonormal(frame.A):
         U, _, Vt = np.linalg.svd(A, full_matrices=False)
         A = U @ Vt
-    return Frame(A, at(frame.b))
+    return Frame.trusted(A, at(frame.b))
 
 
 def _orthonormal(A: np.ndarray) -> bool:
     return bool(np.allclose(A.mT @ A, np.eye(A.shape[-1]), atol=1e-6))
-
-
-def _differentiate(time: np.ndarray, values: np.ndarray, n: int) -> np.ndarray:
-    """Stack values and ``n`` forward differences, Eqs (21-22)."""
-    columns = [values]
-    for _ in range(n):
-        last = columns[-1]
-        difference = np.zeros_like(last)
-        difference[:-1] = np.diff(last, axis=0) / np.diff(time)[:, None]
-        columns.append(difference)
-    return np.hstack(columns)

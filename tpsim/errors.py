@@ -19,3 +19,7 @@ class SimulationError(TpsimError):
 
 class RenderingError(TpsimError):
     """No offscreen renderer works here; the message names the packages to install."""
+
+
+class DataWarning(UserWarning):
+    """Data were mended or look wrong: the message says which, where and how to be explicit."""

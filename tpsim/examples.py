@@ -33,7 +33,8 @@ def u_frames(rng: np.random.Generator, spread: float = 1.0) -> tuple[Frame, Fram
     """
     angles = np.array([-0.4, 0.3]) + spread * rng.uniform(-0.5, 0.5, 2)
     origins = np.array([[-1.2, -0.5], [1.2, 0.4]]) + spread * rng.uniform(-0.3, 0.3, (2, 2))
-    return tuple(Frame(_rotation(a), b) for a, b in zip(angles, origins, strict=True))
+    first, second = (Frame(_rotation(a), b) for a, b in zip(angles, origins, strict=True))
+    return first, second
 
 
 def u_demonstration(

@@ -6,14 +6,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.archive import Stored
+from tpsim.checks import finite_array, frozen, frozen_array, whole
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import finite_array
 
 WORST_CONDITION = 1e10  # beyond it a square A counts as singular
 
 
-@dataclass(frozen=True, eq=False)
-class Frame:
+@dataclass(frozen=True, eq=False, init=False)
+class Frame(Stored):
     """Affine map x = A X + b from local coordinates X to common coordinates x, Eq. (4).
 
     A may be a rotation, a scaling, a reflection, a projection or a Jacobian: not always square,
@@ -25,6 +26,8 @@ class Frame:
     b : (..., D)
         Leading axes carry time (a moving frame) and broadcast against those of ``A``.
 
+    Both are copied, and read-only from then on.
+
     Raises
     ------
     ArgumentError
@@ -34,8 +37,8 @@ class Frame:
     A: np.ndarray
     b: np.ndarray
 
-    def __post_init__(self):
-        A, b = finite_array("A", self.A), finite_array("b", self.b)
+    def __init__(self, A: ArrayLike, b: ArrayLike):
+        A, b = frozen_array("A", A), frozen_array("b", b)
         if A.ndim < 2 or 0 in A.shape[-2:] or b.shape[-1:] != A.shape[-2:-1]:
             raise ArgumentError(
                 f"A has shape {A.shape} and b {b.shape}; they must be (..., D, d) and (..., D)"
@@ -48,6 +51,18 @@ class Frame:
             ) from error
         object.__setattr__(self, "A", np.broadcast_to(A, (*leading, *A.shape[-2:])))
         object.__setattr__(self, "b", np.broadcast_to(b, (*leading, b.shape[-1])))
+
+    @classmethod
+    def trusted(cls, A: np.ndarray, b: np.ndarray) -> "Frame":
+        """Build without checks and copies, from arrays of one's own with equal leading axes.
+
+        The trusted path of control loops: the arrays become read-only, the caller gives them away.
+        """
+        frame = object.__new__(cls)
+        frame.__dict__["A"], frame.__dict__["b"] = frozen(A), frozen(b)
+        return frame
+
+    __iter__ = None  # one frame is no list of frames
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -67,12 +82,12 @@ class Frame:
     @cached_property
     def inverse(self) -> np.ndarray:
         """Pseudo-inverse of A, (..., d, D)."""
-        return pseudoinverse(self.A)
+        return frozen(pseudoinverse(self.A))
 
-    def __getitem__(self, index) -> "Frame":
+    def __getitem__(self, index: object) -> "Frame":
         """Select along the leading axes, as ``frame[t]`` for the frame at step t."""
         index = index if isinstance(index, tuple) else (index,)
-        return Frame(
+        return Frame.trusted(
             self.A[(*index, Ellipsis, slice(None), slice(None))],
             self.b[(*index, Ellipsis, slice(None))],
         )
@@ -91,14 +106,13 @@ class Frame:
 
     def with_input(self, n: int = 1) -> "Frame":
         """Lift by ``n`` inputs, such as time, that the frame leaves alone, Eq. (20)."""
-        if n < 1:
-            raise ArgumentError(f"n is {n}; the number of inputs must be at least 1")
+        n = whole("n", n, least=1)
         D, d = self.A.shape[-2:]
         A = np.zeros((*self.shape, n + D, n + d))
         A[..., :n, :n] = np.eye(n)
         A[..., n:, n:] = self.A
         b = np.concatenate([np.zeros((*self.shape, n)), self.b], axis=-1)
-        return Frame(A, b)
+        return Frame.trusted(A, b)
 
     def with_derivatives(self, n: int) -> "Frame":
         """Lift to [x, dx, ddx, ...] with ``n`` derivatives of x, Eq. (32) with n = 2.
@@ -106,23 +120,27 @@ class Frame:
         The map applies to every derivative, the offset to x alone: the frame's own motion is
         slow beside the movement.
         """
-        if n < 0:
-            raise ArgumentError(f"n is {n}; the number of derivatives must not be negative")
+        n = whole("n", n)
         A = np.kron(np.eye(n + 1), self.A)
         b = np.concatenate([self.b, np.zeros((*self.shape, n * self.dim))], axis=-1)
-        return Frame(A, b)
+        return Frame.trusted(A, b)
 
 
 def pseudoinverse(A: np.ndarray) -> np.ndarray:
     """Pseudo-inverse of (..., D, d), the plain inverse where A is square and well conditioned."""
-    if A.shape[-1] == A.shape[-2]:
-        try:
-            inverse = np.linalg.inv(A)
-        except np.linalg.LinAlgError:
-            inverse = None
-        if inverse is not None and _well_conditioned(A, inverse):
-            return inverse
-    return np.linalg.pinv(A, rcond=1 / WORST_CONDITION)
+    inverse = plain_inverse(A)
+    return np.linalg.pinv(A, rcond=1 / WORST_CONDITION) if inverse is None else inverse
+
+
+def plain_inverse(A: np.ndarray) -> np.ndarray | None:
+    """Inverse of (..., D, d) where all of A is square and well conditioned, else None."""
+    if A.shape[-1] != A.shape[-2]:
+        return None
+    try:
+        inverse = np.linalg.inv(A)
+    except np.linalg.LinAlgError:
+        return None
+    return inverse if _well_conditioned(A, inverse) else None
 
 
 def _well_conditioned(A: np.ndarray, inverse: np.ndarray) -> bool:

@@ -11,14 +11,35 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.archive import Stored
+from tpsim.checks import (
+    Seed,
+    dimensions,
+    finite_array,
+    frozen,
+    frozen_array,
+    generator,
+    instance,
+    several,
+    whole,
+)
+from tpsim.covariance import WORST_CONDITION as WORST_CONDITION
+from tpsim.covariance import add_ridge as add_ridge
+from tpsim.covariance import checked_covariance
+from tpsim.covariance import cholesky as cholesky
+from tpsim.covariance import floor_eigenvalues as floor_eigenvalues
+from tpsim.covariance import inverse_spd as inverse_spd
+from tpsim.covariance import symmetric as symmetric
+from tpsim.covariance import unit_variances as unit_variances
 from tpsim.errors import ArgumentError
 
 LOG_2PI = float(np.log(2 * np.pi))
-WORST_CONDITION = 1e13  # beyond it a double holds less than three digits of the inverse
+
+Dimensions = int | Sequence[int] | np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
-class Gaussian:
+@dataclass(frozen=True, eq=False, init=False)
+class Gaussian(Stored):
     """Normal distributions N(mean, covariance), one for every index of the leading axes.
 
     Parameters
@@ -27,19 +48,20 @@ class Gaussian:
     covariance : (..., D, D), symmetric and positive semi-definite
         Leading axes broadcast against those of ``mean``.
 
+    Both are copied, and read-only from then on.
+
     Raises
     ------
     ArgumentError
-        Wrong shapes, NaN or infinite entries, asymmetry, or negative variances. A singular
-        covariance is accepted here and refused where it must be inverted.
+        Wrong shapes, NaN or infinite entries, asymmetry, negative variances or eigenvalues. A
+        singular covariance is accepted here and refused where it must be inverted.
     """
 
     mean: np.ndarray
     covariance: np.ndarray
 
-    def __post_init__(self):
-        mean = finite_array("mean", self.mean)
-        covariance = finite_array("covariance", self.covariance)
+    def __init__(self, mean: ArrayLike, covariance: ArrayLike):
+        mean, covariance = frozen_array("mean", mean), frozen_array("covariance", covariance)
         D = mean.shape[-1] if mean.ndim else 0
         if D == 0 or covariance.shape[-2:] != (D, D):
             raise ArgumentError(
@@ -54,16 +76,20 @@ class Gaussian:
                 "make them equal or of length one"
             ) from error
         object.__setattr__(self, "mean", np.broadcast_to(mean, (*leading, D)))
-        object.__setattr__(
-            self, "covariance", np.broadcast_to(_checked_symmetric(covariance), (*leading, D, D))
-        )
+        covariance = checked_covariance(covariance)
+        object.__setattr__(self, "covariance", np.broadcast_to(covariance, (*leading, D, D)))
 
     @classmethod
     def trusted(cls, mean: np.ndarray, covariance: np.ndarray) -> "Gaussian":
-        """Build without checks, for results of our own that are valid by construction."""
+        """Build without checks and copies, from arrays that are valid by construction.
+
+        The trusted path of control loops: the arrays become read-only, the caller gives them away.
+        """
         gaussian = object.__new__(cls)
-        gaussian.__dict__["mean"] = mean
-        gaussian.__dict__["covariance"] = covariance
+        mean.setflags(write=False)
+        covariance.setflags(write=False)
+        fields = gaussian.__dict__
+        fields["mean"], fields["covariance"] = mean, covariance
         return gaussian
 
     @property
@@ -71,7 +97,7 @@ class Gaussian:
         """Dimension D of the space."""
         return self.mean.shape[-1]
 
-    def __getitem__(self, index) -> "Gaussian":
+    def __getitem__(self, index: object) -> "Gaussian":
         """Select along the leading axes."""
         index = index if isinstance(index, tuple) else (index,)
         return Gaussian.trusted(
@@ -82,7 +108,7 @@ class Gaussian:
     @cached_property
     def precision(self) -> np.ndarray:
         """Inverse of the covariance, (..., D, D); ArgumentError where it is singular."""
-        return inverse_spd(self.covariance, "covariance")
+        return frozen(inverse_spd(self.covariance, "covariance"))
 
     @cached_property
     def _whitening(self) -> tuple[np.ndarray, np.ndarray]:
@@ -113,19 +139,22 @@ class Gaussian:
             Offset.
         """
         A, b = finite_array("A", A), finite_array("b", b)
-        if A.ndim < 2 or A.shape[-1] != self.dim:
-            raise ArgumentError(f"A has shape {A.shape}; it must be (..., E, {self.dim})")
+        if A.ndim < 2 or A.shape[-1] != self.dim or (b.ndim and b.shape[-1] != A.shape[-2]):
+            raise ArgumentError(
+                f"A has shape {A.shape} and b {b.shape}; they must be (..., E, {self.dim}) and "
+                "(..., E)"
+            )
         mean = (A @ self.mean[..., None])[..., 0] + b
         covariance = symmetric(A @ self.covariance @ np.swapaxes(A, -1, -2))
-        return Gaussian(mean, covariance)
+        return Gaussian.trusted(mean, np.broadcast_to(covariance, (*mean.shape, mean.shape[-1])))
 
-    def marginal(self, dims: Sequence[int]) -> "Gaussian":
+    def marginal(self, dims: Dimensions) -> "Gaussian":
         """Distribution of the dimensions ``dims`` alone."""
-        dims = self._dimensions("dims", dims)
+        dims = dimensions("dims", dims, self.dim)
         return Gaussian.trusted(self.mean[..., dims], self.covariance[..., dims[:, None], dims])
 
     def condition(
-        self, value: ArrayLike, given: Sequence[int], of: Sequence[int] | None = None
+        self, value: ArrayLike, given: Dimensions, of: Dimensions | None = None
     ) -> "Gaussian":
         """Distribution of the dimensions ``of`` when ``given`` have ``value``, Eqs (14-15).
 
@@ -133,52 +162,46 @@ class Gaussian:
         ----------
         value : (..., I)
             Leading axes broadcast against those of the Gaussian.
-        given : sequence of I integers
+        given : one or I integers
             Dimensions of the input.
-        of : sequence of O integers, optional
+        of : one or O integers, optional
             Dimensions of the output, default all the others in their order.
         """
-        given = self._dimensions("given", given)
-        of = np.setdiff1d(np.arange(self.dim), given) if of is None else of
-        of = self._dimensions("of", of)
-        if np.intersect1d(given, of).size:
-            raise ArgumentError(f"given {given} and of {of} overlap; keep them disjoint")
+        inputs = dimensions("given", given, self.dim)
+        others = np.setdiff1d(np.arange(self.dim), inputs)
+        outputs = dimensions("of", others if of is None else of, self.dim)
+        if np.intersect1d(inputs, outputs).size:
+            raise ArgumentError(f"given {inputs} and of {outputs} overlap; keep them disjoint")
         value = finite_array("value", value)
-        if value.shape[-1:] != given.shape:
+        if value.shape[-1:] != inputs.shape:
             raise ArgumentError(
-                f"value has shape {value.shape}; its last axis must be {given.size}, "
+                f"value has shape {value.shape}; its last axis must be {inputs.size}, "
                 "one number for each dimension in given"
             )
-        gain = self._regression(given, of)
-        residual = value - self.mean[..., given]
-        mean = self.mean[..., of] + (gain @ residual[..., None])[..., 0]
-        joint = self.covariance[..., of[:, None], of]
-        explained = gain @ self.covariance[..., given[:, None], of]
+        gain = self._regression(inputs, outputs)
+        residual = value - self.mean[..., inputs]
+        mean = self.mean[..., outputs] + (gain @ residual[..., None])[..., 0]
+        joint = self.covariance[..., outputs[:, None], outputs]
+        explained = gain @ self.covariance[..., inputs[:, None], outputs]
         covariance = symmetric(joint - explained)
-        return Gaussian.trusted(mean, np.broadcast_to(covariance, (*mean.shape, of.size)))
+        return Gaussian.trusted(mean, np.broadcast_to(covariance, (*mean.shape, outputs.size)))
 
     def _regression(self, given: np.ndarray, of: np.ndarray) -> np.ndarray:
         """Gain Sigma_OI Sigma_II^-1, (..., O, I)."""
         cross = self.covariance[..., of[:, None], given]
         return cross @ inverse_spd(self.covariance[..., given[:, None], given], "input covariance")
 
-    def sample(self, rng: np.random.Generator, size: int | tuple[int, ...] = ()) -> np.ndarray:
-        """Draw samples, shape ``size`` + (..., D), also where the covariance is singular."""
-        size = (size,) if np.ndim(size) == 0 else tuple(size)
+    def sample(self, rng: Seed, size: int | tuple[int, ...] = ()) -> np.ndarray:
+        """Draw samples, shape ``size`` + (..., D), also where the covariance is singular.
+
+        ``rng`` is a numpy Generator or a seed.
+        """
+        sizes = size if isinstance(size, tuple) else (size,)
+        sizes = tuple(whole("size", one) for one in sizes)
         eigenvalues, V = np.linalg.eigh(self.covariance)
         root = V * np.sqrt(np.maximum(eigenvalues, 0))[..., None, :]
-        z = rng.standard_normal((*size, *self.mean.shape))
+        z = generator("rng", rng).standard_normal((*sizes, *self.mean.shape))
         return self.mean + (root @ z[..., None])[..., 0]
-
-    def _dimensions(self, name: str, dims: Sequence[int]) -> np.ndarray:
-        dims = np.atleast_1d(np.asarray(dims))
-        if dims.dtype == bool or not np.issubdtype(dims.dtype, np.integer) or dims.ndim != 1:
-            raise ArgumentError(f"{name} is {dims!r}; it must be a sequence of integers")
-        if dims.size == 0 or dims.min() < -self.dim or dims.max() >= self.dim:
-            raise ArgumentError(
-                f"{name} is {dims.tolist()}; the dimensions are 0 to {self.dim - 1}, at least one"
-            )
-        return dims % self.dim
 
 
 def gaussian_product(gaussians: Sequence[Gaussian]) -> Gaussian:
@@ -194,17 +217,23 @@ def gaussian_product(gaussians: Sequence[Gaussian]) -> Gaussian:
     ArgumentError
         No factor, different dimensions, or a covariance that cannot be inverted.
     """
-    gaussians = list(gaussians)
-    if not gaussians:
+    factors = several("gaussians", gaussians, Gaussian)
+    if not factors:
         raise ArgumentError("a product needs at least one Gaussian; none was given")
-    if len({g.dim for g in gaussians}) > 1:
+    if len({g.dim for g in factors}) > 1:
         raise ArgumentError(
-            f"the factors have dimensions {[g.dim for g in gaussians]}; they must be equal"
+            f"the factors have dimensions {[g.dim for g in factors]}; they must be equal"
         )
-    precision = sum(g.precision for g in gaussians)
-    information = sum((g.precision @ g.mean[..., None]) for g in gaussians)
+    origin = factors[0].mean  # far from zero, differences keep the digits that sums would lose
+    precision, information = np.zeros(1), np.zeros(1)
+    try:
+        for g in factors:
+            precision = precision + g.precision
+            information = information + g.precision @ (g.mean - origin)[..., None]
+    except ValueError as error:
+        raise ArgumentError(f"leading axes of the factors do not match ({error})") from error
     covariance = inverse_spd(precision, "sum of precisions")
-    return Gaussian.trusted((covariance @ information)[..., 0], covariance)
+    return Gaussian.trusted(origin + (covariance @ information)[..., 0], covariance)
 
 
 def match_moments(weights: ArrayLike, gaussian: Gaussian) -> Gaussian:
@@ -217,82 +246,25 @@ def match_moments(weights: ArrayLike, gaussian: Gaussian) -> Gaussian:
     gaussian : Gaussian (..., K, D)
         The components.
     """
-    h = np.asarray(weights, float)
+    h = finite_array("weights", weights)
+    parts = instance("gaussian", gaussian, Gaussian)
+    if h.ndim == 0 or parts.mean.ndim < 2 or parts.mean.shape[-2] != h.shape[-1]:
+        raise ArgumentError(
+            f"weights have shape {h.shape} and the gaussian means {parts.mean.shape}; they must be "
+            "(..., K) and (..., K, D)"
+        )
+    if (h < 0).any() or (np.abs(h.sum(-1) - 1) > 1e-6).any():
+        raise ArgumentError("weights must not be negative, and sum to one over the last axis")
+    try:
+        return mixed_moments(h, parts)
+    except ValueError as error:
+        raise ArgumentError(f"leading axes do not match: {error}") from error
+
+
+def mixed_moments(h: np.ndarray, gaussian: Gaussian) -> Gaussian:
+    """Work of :func:`match_moments` for weights that are known to be a distribution."""
     mean = np.einsum("...k,...kd->...d", h, gaussian.mean)
     deviation = gaussian.mean - mean[..., None, :]
     within = np.einsum("...k,...kij->...ij", h, gaussian.covariance)
     between = np.swapaxes(h[..., None] * deviation, -1, -2) @ deviation
     return Gaussian.trusted(mean, symmetric(within + between))
-
-
-def floor_eigenvalues(covariance: ArrayLike, minimum: float) -> np.ndarray:
-    """Raise the eigenvalues of covariances (..., D, D) to at least ``minimum``, Eq. (7)."""
-    eigenvalues, V = np.linalg.eigh(np.asarray(covariance, float))
-    return symmetric((V * np.maximum(eigenvalues, minimum)[..., None, :]) @ np.swapaxes(V, -1, -2))
-
-
-def add_ridge(covariance: ArrayLike, rho: float) -> np.ndarray:
-    """Add an isotropic covariance rho I to covariances (..., D, D), Eq. (8)."""
-    covariance = np.asarray(covariance, float)
-    return covariance + rho * np.eye(covariance.shape[-1])
-
-
-def symmetric(matrix: np.ndarray) -> np.ndarray:
-    """Remove the asymmetry that rounding left."""
-    return 0.5 * (matrix + matrix.mT)
-
-
-def cholesky(matrix: np.ndarray, name: str) -> np.ndarray:
-    """Cholesky factor, or an ArgumentError that says how to regularise."""
-    try:
-        return np.linalg.cholesky(matrix)
-    except np.linalg.LinAlgError as error:
-        raise ArgumentError(_singular(name)) from error
-
-
-def inverse_spd(matrix: np.ndarray, name: str) -> np.ndarray:
-    """Inverse of symmetric positive definite matrices; ArgumentError where it is meaningless.
-
-    Variables are scaled to unit variance first, so that their units do not matter. The diagonal
-    of the inverse then holds how many times each variance shrinks when all others are known.
-    """
-    diagonal = matrix.diagonal(0, -2, -1)
-    if not (diagonal > 0).all():
-        raise ArgumentError(_singular(name))
-    scale = 1 / np.sqrt(diagonal)
-    scale = scale[..., :, None] * scale[..., None, :]
-    try:
-        inverse = np.linalg.inv(matrix * scale)
-    except np.linalg.LinAlgError as error:
-        raise ArgumentError(_singular(name)) from error
-    shrinkage = inverse.diagonal(0, -2, -1)
-    if not (shrinkage.min() > 0 and shrinkage.max() < WORST_CONDITION):
-        raise ArgumentError(_singular(name))
-    return symmetric(inverse) * scale
-
-
-def finite_array(name: str, value: ArrayLike) -> np.ndarray:
-    """Array of finite floats, or an ArgumentError that names it."""
-    try:
-        array = np.asarray(value, float)
-    except (TypeError, ValueError) as error:
-        raise ArgumentError(f"{name} must be an array of numbers; {error}") from error
-    if not np.isfinite(array).all():
-        raise ArgumentError(f"{name} holds NaN or infinite entries; remove or fill them first")
-    return array
-
-
-def _checked_symmetric(covariance: np.ndarray) -> np.ndarray:
-    if (np.diagonal(covariance, axis1=-2, axis2=-1) < 0).any():
-        raise ArgumentError("covariance has negative variances on its diagonal")
-    asymmetry = np.abs(covariance - covariance.mT).max(initial=0.0)
-    if asymmetry > 1e-8 * np.abs(covariance).max(initial=0.0):
-        raise ArgumentError("covariance is not symmetric; pass 0.5 * (S + S.T) if that is meant")
-    return symmetric(covariance) if asymmetry else covariance
-
-
-def _singular(name: str) -> str:
-    return (
-        f"{name} is singular, so it has no inverse; add a ridge (add_ridge) or floor its "
-        "eigenvalues (floor_eigenvalues) first"
-    )

@@ -3,6 +3,9 @@
 From S. Calinon, "A Tutorial on Task-Parameterized Movement Learning and Retrieval" (2016).
 """
 
+from tpsim import rotation as rotation
+from tpsim.agreement import agree as agree
+from tpsim.archive import load as load
 from tpsim.control import projection as projection
 from tpsim.control.feedback import Feedback as Feedback
 from tpsim.control.feedback import Plan as Plan
@@ -20,6 +23,8 @@ from tpsim.control.spring import spring_damper as spring_damper
 from tpsim.control.system import LinearSystem as LinearSystem
 from tpsim.control.system import integrator as integrator
 from tpsim.demonstration import Demonstration as Demonstration
+from tpsim.errors import ArgumentError as ArgumentError
+from tpsim.errors import DataWarning as DataWarning
 from tpsim.errors import TpsimError as TpsimError
 from tpsim.frame import Frame as Frame
 from tpsim.gaussian import Gaussian as Gaussian
@@ -50,11 +55,13 @@ from tpsim.learning.selection import dp_means as dp_means
 from tpsim.learning.selection import dp_means_start as dp_means_start
 from tpsim.learning.selection import select_model as select_model
 from tpsim.learning.semi_markov import SemiMarkovChain as SemiMarkovChain
+from tpsim.learning.shrinkage import shrink_directions as shrink_directions
 from tpsim.learning.subspace import HDDC as HDDC
 from tpsim.learning.subspace import MFA as MFA
 from tpsim.learning.subspace import MPPCA as MPPCA
 from tpsim.learning.tp_gmm import TPGMM as TPGMM
 from tpsim.learning.tp_gmm import fit_tp_gmm as fit_tp_gmm
+from tpsim.retrieval.clock import on_one_clock as on_one_clock
 from tpsim.retrieval.distribution import TPTrajectoryDistribution as TPTrajectoryDistribution
 from tpsim.retrieval.distribution import TrajectoryDistribution as TrajectoryDistribution
 from tpsim.retrieval.distribution import (
@@ -67,19 +74,26 @@ from tpsim.retrieval.dmp import attractor_path as attractor_path
 from tpsim.retrieval.dmp import decay as decay
 from tpsim.retrieval.dmp import forced_attractor as forced_attractor
 from tpsim.retrieval.dmp import forcing_term as forcing_term
+from tpsim.retrieval.fit_movement import fit_movement as fit_movement
+from tpsim.retrieval.fit_tp_gmr import TPGMR as TPGMR
+from tpsim.retrieval.fit_tp_gmr import fit_tp_gmr as fit_tp_gmr
+from tpsim.retrieval.fit_tp_trajectory import TPTrajectory as TPTrajectory
+from tpsim.retrieval.fit_tp_trajectory import fit_tp_trajectory as fit_tp_trajectory
 from tpsim.retrieval.gmr import Regression as Regression
 from tpsim.retrieval.gmr import gmr as gmr
 from tpsim.retrieval.gmr import gmr_mixture as gmr_mixture
 from tpsim.retrieval.gp import GaussianProcess as GaussianProcess
-from tpsim.retrieval.gp import SquaredExponential as SquaredExponential
 from tpsim.retrieval.gp import fit_gp as fit_gp
 from tpsim.retrieval.gp_gmm import fit_gp_gmm as fit_gp_gmm
+from tpsim.retrieval.gp_kernel import SquaredExponential as SquaredExponential
+from tpsim.retrieval.kmp import KMP as KMP
 from tpsim.retrieval.lwr import lwr as lwr
 from tpsim.retrieval.promp import ProMP as ProMP
 from tpsim.retrieval.promp import TPProMP as TPProMP
 from tpsim.retrieval.promp import fit_promp as fit_promp
 from tpsim.retrieval.promp import fit_tp_promp as fit_tp_promp
 from tpsim.retrieval.promp import radial_basis as radial_basis
+from tpsim.retrieval.tp_gmr import tp_gmr as tp_gmr
 from tpsim.retrieval.trajectory import derivative_operator as derivative_operator
 from tpsim.retrieval.trajectory import trajectory as trajectory
 from tpsim.retrieval.trajectory import trajectory_of_states as trajectory_of_states

@@ -4,69 +4,172 @@ Rotation vectors are world-aligned: ``log(R)`` is the axis of R times its angle,
 Leading axes broadcast.
 """
 
+from __future__ import annotations
+
+import re
+import warnings
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.spatial.transform import Rotation
+from numpy.typing import ArrayLike
 
-from tpsim.errors import ArgumentError
+from tpsim.checks import finite_array, instance, place
+from tpsim.errors import ArgumentError, DataWarning
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+WIDE_TURN = np.pi / 3  # [rad] between neighbouring samples: faster than any recorder should be
 
 
-def skew(v):
+def _scipy() -> type[Rotation]:
+    """Class of scipy, imported where it is needed: it takes its time."""
+    from scipy.spatial.transform import Rotation
+
+    return Rotation
+
+
+def skew(v: ArrayLike) -> np.ndarray:
     """Cross-product matrix: ``skew(v) @ x = v x x``, shape (..., 3) -> (..., 3, 3)."""
-    v = np.asarray(v, float)
+    v = _shaped("vectors", v, (3,))
     S = np.zeros((*v.shape[:-1], 3, 3))
     S[..., 0, 1], S[..., 0, 2], S[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
     return S - np.swapaxes(S, -1, -2)
 
 
-def exp(w):
+def exp(w: ArrayLike) -> np.ndarray:
     """Rotation matrices (..., 3, 3) of rotation vectors (..., 3) [rad]."""
-    w = np.asarray(w, float)
-    return Rotation.from_rotvec(w.reshape(-1, 3)).as_matrix().reshape(*w.shape[:-1], 3, 3)
+    w = _shaped("rotation vectors", w, (3,))
+    return (
+        _scipy().from_rotvec(_writable(w.reshape(-1, 3))).as_matrix().reshape(*w.shape[:-1], 3, 3)
+    )
 
 
-def log(R):
+def log(R: ArrayLike) -> np.ndarray:
     """Rotation vectors (..., 3) [rad] of rotation matrices (..., 3, 3); angle in [0, pi]."""
-    R = np.asarray(R, float)
-    return Rotation.from_matrix(R.reshape(-1, 3, 3)).as_rotvec().reshape(*R.shape[:-2], 3)
+    R = _shaped("rotations", R, (3, 3))
+    try:
+        return (
+            _scipy()
+            .from_matrix(_writable(R.reshape(-1, 3, 3)))
+            .as_rotvec()
+            .reshape(*R.shape[:-2], 3)
+        )
+    except ValueError as error:
+        raise ArgumentError(f"rotations hold a matrix that is none: {error}") from error
 
 
-def to_quaternion(R):
+def to_quaternion(R: ArrayLike) -> np.ndarray:
     """Unit quaternions (..., 4), w first, of rotation matrices (..., 3, 3)."""
-    R = np.asarray(R, float)
-    quaternion = Rotation.from_matrix(R.reshape(-1, 3, 3)).as_quat(scalar_first=True)
+    R = _matrices(R)
+    quaternion = _scipy().from_matrix(_writable(R.reshape(-1, 3, 3))).as_quat(scalar_first=True)
     return quaternion.reshape(*R.shape[:-2], 4)
 
 
-def from_quaternion(quaternion):
-    """Rotation matrices (..., 3, 3) of quaternions (..., 4), w first."""
-    quaternion = np.asarray(quaternion, float)
-    if quaternion.shape[-1:] != (4,):
+def from_quaternion(quaternion: ArrayLike) -> np.ndarray:
+    """Rotation matrices (..., 3, 3) of quaternions (..., 4), w first, of any length but zero."""
+    quaternion = _shaped("quaternions", quaternion, (4,))
+    lost = np.linalg.norm(quaternion, axis=-1) == 0
+    if lost.any():
         raise ArgumentError(
-            f"quaternions have shape {quaternion.shape}; the last axis must be (w, x, y, z)"
+            f"quaternions of zero length, the first {place(lost)}, say nothing about orientation; "
+            "remove these samples"
         )
-    R = Rotation.from_quat(quaternion.reshape(-1, 4), scalar_first=True).as_matrix()
+    R = _scipy().from_quat(_writable(quaternion.reshape(-1, 4)), scalar_first=True).as_matrix()
     return R.reshape(*quaternion.shape[:-1], 3, 3)
 
 
-def continuous(quaternions):
-    """Quaternions (T, 4) with signs flipped so that neighbours in time never jump."""
-    quaternions = np.array(quaternions, float)
-    flips = np.sum(quaternions[1:] * quaternions[:-1], axis=-1) < 0
-    quaternions[1:] *= np.where(np.cumsum(flips) % 2, -1.0, 1.0)[:, None]
-    return quaternions
+def quaternions(
+    name: str, orientations: ArrayLike, convention: str = "wxyz", degrees: bool = False
+) -> np.ndarray:
+    """Unit quaternions (T, 4), w first, of orientations as they are recorded.
+
+    Parameters
+    ----------
+    name : str
+        What error messages call them.
+    orientations : (T, 4), (T, 3, 3), (T, n) or (T,)
+        Quaternions, matrices, or Euler angles.
+    convention : str
+        ``"wxyz"``, ``"xyzw"``, ``"matrix"``, or scipy's name of Euler angles: one to three of
+        ``xyz`` (about fixed axes) or of ``XYZ`` (about turning ones).
+    degrees : bool
+        Euler angles are in degrees.
+
+    Raises
+    ------
+    ArgumentError
+        An unknown convention, or rows that are no orientations.
+    """
+    values = finite_array(name, orientations)
+    convention = instance("convention", convention, str)
+    if convention in ("wxyz", "xyzw"):
+        _check_rows(name, values, (4,))
+        length = np.linalg.norm(values, axis=-1)
+        if (abs(length - 1) > 0.1).any():
+            row = int(np.argmax(abs(length - 1) > 0.1))
+            raise ArgumentError(
+                f"{name} has a quaternion of length {length[row]:.3g} in row {row}; all must be "
+                "of length one (zero: the marker was lost; remove the sample)"
+            )
+        ordered = values if convention == "wxyz" else values[:, [3, 0, 1, 2]]
+        return ordered / length[:, None]
+    if convention == "matrix":
+        _check_rows(name, values, (3, 3))
+        return to_quaternion(values)
+    if not re.fullmatch("[xyz]{1,3}|[XYZ]{1,3}", convention) or re.search(r"(.)\1", convention):
+        raise ArgumentError(
+            f"convention is {convention!r}; give 'wxyz', 'xyzw', 'matrix', or Euler axes by "
+            "scipy's names, such as 'xyz' (fixed) or 'ZYX' (turning)"
+        )
+    values = values[:, None] if values.ndim == 1 else values
+    _check_rows(name, values, (len(convention),))
+    return (
+        _scipy()
+        .from_euler(convention, _writable(values), degrees=degrees)
+        .as_quat(scalar_first=True)
+    )
 
 
-def mean(R):
+def continuous(quaternions: ArrayLike) -> np.ndarray:
+    """Quaternions (T, 4) with signs flipped so that neighbours in time never jump.
+
+    One quaternion (4,) is returned as it is.
+    """
+    given = _shaped("quaternions", quaternions, (4,))
+    if given.ndim > 2:
+        raise ArgumentError(f"quaternions have shape {given.shape}; give one recording (T, 4)")
+    found = np.array(np.atleast_2d(given))
+    flips = np.sum(found[1:] * found[:-1], axis=-1) < 0
+    found[1:] *= np.where(np.cumsum(flips) % 2, -1.0, 1.0)[:, None]
+    return found.reshape(given.shape)
+
+
+def warn_of_turns(name: str, quaternions: np.ndarray) -> None:
+    """Give a DataWarning where neighbouring quaternions (T, 4) are a wide turn apart."""
+    cosine = np.abs(np.sum(quaternions[1:] * quaternions[:-1], axis=-1))
+    turns = 2 * np.arccos(np.minimum(cosine, 1.0))
+    if (turns > WIDE_TURN).any():
+        row = int(np.argmax(turns > WIDE_TURN)) + 1
+        warnings.warn(
+            f"{name} turn by {np.degrees(turns[row - 1]):.0f} degrees between rows {row - 1} and "
+            f"{row}; look for lost samples, or for another convention",
+            DataWarning,
+            stacklevel=3,
+        )
+
+
+def mean(R: ArrayLike) -> np.ndarray:
     """Mean rotation (3, 3) of rotation matrices (N, 3, 3): least sum of squared chordal errors."""
-    return Rotation.from_matrix(np.asarray(R, float)).mean().as_matrix()
+    return _scipy().from_matrix(_writable(_matrices(R))).mean().as_matrix()
 
 
-def left_jacobian_inverse(w):
+def left_jacobian_inverse(w: ArrayLike) -> np.ndarray:
     """Map from world angular velocity to the rate of ``log(R)``: (..., 3) -> (..., 3, 3).
 
     ``d log(R) / dt = left_jacobian_inverse(log(R)) @ omega``. Singular at an angle of 2 pi only.
     """
-    w = np.asarray(w, float)
+    w = _shaped("rotation vectors", w, (3,))
     angle = np.linalg.norm(w, axis=-1)[..., None, None]
     S = skew(w)
     half = angle / 2
@@ -76,9 +179,9 @@ def left_jacobian_inverse(w):
     return np.eye(3) - S / 2 + c * (S @ S)
 
 
-def left_jacobian(w):
+def left_jacobian(w: ArrayLike) -> np.ndarray:
     """Map from the rate of ``log(R)`` to world angular velocity: (..., 3) -> (..., 3, 3)."""
-    w = np.asarray(w, float)
+    w = _shaped("rotation vectors", w, (3,))
     angle = np.linalg.norm(w, axis=-1)[..., None, None]
     S = skew(w)
     small = angle < 1e-4
@@ -88,13 +191,49 @@ def left_jacobian(w):
     return np.eye(3) + first * S + second * (S @ S)
 
 
-def tilt(R, axis=(0.0, 0.0, 1.0)):
+def tilt(R: ArrayLike, axis: ArrayLike = (0.0, 0.0, 1.0)) -> np.ndarray:
     """Angle (...,) [rad] between the body's own ``axis`` carried by R (..., 3, 3) and the world's.
 
     The cup's tilt: how far its axis leans from the vertical.
     """
-    axis = np.asarray(axis, float)
-    carried = np.asarray(R, float) @ axis
+    axis = _shaped("axis", axis, (3,))
+    carried = _shaped("rotations", R, (3, 3)) @ axis
     # atan2 keeps its precision near zero, where arccos has none.
     sine = np.linalg.norm(np.cross(carried, axis), axis=-1)
     return np.arctan2(sine, carried @ axis)
+
+
+def _writable(values: np.ndarray) -> np.ndarray:
+    """The values, or a copy of read-only ones, which scipy does not take."""
+    return values if values.flags.writeable else values.copy()
+
+
+def _shaped(name: str, values: ArrayLike, last: tuple[int, ...]) -> np.ndarray:
+    values = finite_array(name, values)
+    if values.shape[-len(last) :] != last:
+        raise ArgumentError(
+            f"{name} have shape {values.shape}; the last axes must be {last}"
+            + (", (w, x, y, z)" if last == (4,) else "")
+        )
+    return values
+
+
+def _matrices(R: ArrayLike) -> np.ndarray:
+    """Rotation matrices, or an ArgumentError for what scipy would bend into some."""
+    R = _shaped("rotations", R, (3, 3))
+    wrong = np.abs(R.mT @ R - np.eye(3)).max((-1, -2)) > 1e-2
+    wrong |= np.linalg.det(R) < 0
+    if wrong.any():
+        raise ArgumentError(
+            f"rotations hold a matrix that is none, the first {place(wrong)}: R'R must be the "
+            "identity and det R one"
+        )
+    return R
+
+
+def _check_rows(name: str, values: np.ndarray, shape: tuple[int, ...]) -> None:
+    if values.ndim != 1 + len(shape) or values.shape[1:] != shape or len(values) == 0:
+        wanted = ", ".join(str(n) for n in ("T", *shape))
+        raise ArgumentError(
+            f"{name} have shape {values.shape}; this convention asks for ({wanted})"
+        )

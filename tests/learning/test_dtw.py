@@ -116,3 +116,15 @@ def test_bad_choices_are_refused():
     ):
         with pytest.raises(ArgumentError):
             call()
+
+
+def test_memory_is_that_of_the_band():
+    import tracemalloc
+
+    x = np.cumsum(np.random.default_rng(0).normal(size=(3000, 2)), 0)
+    tracemalloc.start()
+    warp = dtw(x, x[1:], band=10)
+    used = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert used < 3e6  # the full matrix of distances takes 72e6
+    assert abs(warp.path[:, 0] - warp.path[:, 1]).max() <= 10

@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import tpsim
+
 FOLDER = Path(__file__).parent
 PUBLIC = {"tpsim", "tpsim.lab", "tpsim.section8"}
 
@@ -143,6 +145,7 @@ def test_the_controller_is_a_baseline_in_a_study(hover):
 def test_the_method_is_a_row_of_the_comparison(tmp_path):
     section8 = pytest.importorskip("tpsim.section8")
     from laboratory.method import stepwise
+
     from tpsim.section8.plan import QUICK
 
     plan = replace(QUICK, seeds=(0,), situations=2, samples=30, distances=(1.0,))
@@ -167,3 +170,8 @@ def test_the_command_line_runs_the_study_of_a_file(tmp_path):
     answer = json.loads(done.stdout)
     assert answer["trials"] == 2 and answer["figures"]["gap_mm"] < 10
     assert Path(answer["paths"]["report"]).is_file()
+
+
+@pytest.mark.skipif("TPSIM_SITE" not in os.environ, reason="make wheel sets where the wheel is")
+def test_the_wheel_is_what_is_tested():
+    assert Path(tpsim.__file__).is_relative_to(os.environ["TPSIM_SITE"])

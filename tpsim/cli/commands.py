@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from tyro.conf import FlagCreatePairsOff, Positional, arg
 
+from tpsim.cli.comparison import Compare
 from tpsim.cli.export import Export
 from tpsim.cli.options import (
     Answer,
@@ -84,7 +85,7 @@ class Teach(SeededCommand):
             positive("--count", self.count)
 
     def execute(self, study: "Study", line: str) -> Answer:
-        """Teach."""
+        """Teach all behaviours of the task."""
         from tpsim.study import teaching
 
         return teaching.teach(
@@ -97,7 +98,7 @@ class Learn(Learning):
     """Fit the task-parameterized models to recorded demonstrations."""
 
     def execute(self, study: "Study", line: str) -> Answer:
-        """Learn."""
+        """Fit the models and say what was learned."""
         from tpsim.study import teaching
 
         return teaching.learn(study, self.demonstrations, out=self.folder)
@@ -116,7 +117,7 @@ class Reproduce(Learning, SeededCommand):
         not_negative("--situation", self.situation)
 
     def execute(self, study: "Study", line: str) -> Answer:
-        """Reproduce."""
+        """Perform the task in one situation."""
         from tpsim.study import trying
 
         return trying.reproduce(
@@ -152,7 +153,7 @@ class Push(Reproduce):
         positive("--duration", self.duration)
 
     def execute(self, study: "Study", line: str) -> Answer:
-        """Push."""
+        """Perform the task twice, pushed and not."""
         from tpsim.study import trying
 
         return trying.push(
@@ -179,7 +180,7 @@ class Replay(Command):
     """Study that was run, where it is none of the built-in ones: my_task.py:study."""
 
     def execute(self) -> Answer:
-        """Replay."""
+        """Perform the recorded trials again."""
         from tpsim.study.files.run import load_run
         from tpsim.study.reference import load_study
         from tpsim.study.replay import replay
@@ -191,17 +192,6 @@ class Replay(Command):
         """Whether every trial of a whole run came out again."""
         same = answer["identical"] == answer["trials"]
         return same and bool(answer["whole"]) and not answer["missing"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Compare(Command):
-    """Measure the methods of the tutorial's Section 8 beside each other."""
-
-    def execute(self) -> Answer:
-        """Compare."""
-        from tpsim.experiment import compare
-
-        return compare.compare()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -262,7 +252,7 @@ class Doctor(Command):
     """Show versions, rendering, what is missing and the command that mends it."""
 
     def execute(self) -> Answer:
-        """Look."""
+        """Examine this installation."""
         from tpsim.cli import doctor
 
         return doctor.examine()

@@ -58,7 +58,7 @@ def parse(arguments: Sequence[str]) -> Call:
     Raises
     ------
     ArgumentError
-        If they name no command or study, or options that there are not.
+        If they name an unknown command, study or option.
     SystemExit
         After help was printed.
     """
@@ -83,7 +83,8 @@ def _names_a_recording(words: Sequence[str]) -> bool:
     """Whether the first word is a file or folder of recordings, and no study."""
     if not words or words[0].startswith("-") or words[0] in STUDIES:
         return False
-    return Path(words[0]).suffix not in ("", ".py") or Path(words[0]).exists()
+    path = Path(words[0])
+    return path.exists() or (":" not in words[0] and path.suffix not in ("", ".py"))
 
 
 def _about_a_study(name: str, command: type[StudyCommand], rest: list[str], line: str) -> Call:

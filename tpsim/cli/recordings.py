@@ -58,7 +58,7 @@ class LearnFile(Command):
             positive("--components", self.components)
 
     def execute(self) -> Answer:
-        """Learn."""
+        """Walk from the file to a model and a picture."""
         from tpsim.data import commands
 
         return commands.learn(

@@ -5,12 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.archive import Stored
+from tpsim.checks import finite_array, own
 from tpsim.control.system import LinearSystem
 from tpsim.errors import ArgumentError
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(Stored):
     """A trajectory of a linear system with the controls that make it.
 
     Parameters
@@ -28,9 +30,12 @@ class Plan:
     controls: np.ndarray
     covariance: np.ndarray | None = None
 
+    def __post_init__(self) -> None:
+        own(self, "states", "controls", "covariance")
+
 
 @dataclass(frozen=True, eq=False)
-class Feedback:
+class Feedback(Stored):
     """Time-varying feedback and feedforward, u_t = k_t - K_t xi_t (Section 6).
 
     Parameters
@@ -51,9 +56,18 @@ class Feedback:
     system: LinearSystem | None = None
     curvature: np.ndarray | None = None
 
+    def __post_init__(self) -> None:
+        own(self, "gain", "feedforward", "curvature")
+
     def control(self, t: int, state: np.ndarray) -> np.ndarray:
         """Control u_t (..., m) at step t for a measured state (..., n)."""
-        return self.feedforward[t] - state @ self.gain[t].T
+        try:
+            return self.feedforward[t] - state @ self.gain[t].T
+        except (TypeError, ValueError, IndexError) as error:
+            raise ArgumentError(
+                f"step {t} and state {np.shape(state)} do not fit a feedback of {len(self.gain)} "
+                f"steps and (..., {self.gain.shape[-1]}) states ({error})"
+            ) from error
 
     def rollout(self, initial: ArrayLike) -> Plan:
         """Trajectory from an initial state (n,) under this feedback.
@@ -74,7 +88,7 @@ class Feedback:
             If the initial state has another size, or the feedback knows no system.
 
         """
-        closed, drift = self._closed_loop()
+        _, closed, drift = self._closed_loop()
         states = np.empty((len(self.gain), closed.shape[-1]))
         states[0] = checked_state(initial, closed.shape[-1])
         for t, (F, f) in enumerate(zip(closed, drift, strict=True)):
@@ -88,27 +102,27 @@ class Feedback:
         The diagonal blocks of S^u (S^uᵀ Σ_s⁻¹ S^u + R)⁻¹ S^uᵀ, the uncertainty of the least
         squares estimate Eq. 37, by one forward pass: u_t varies by the inverse curvature.
         """
-        closed, _ = self._closed_loop()
+        system, closed, _ = self._closed_loop()
         if self.curvature is None:
             raise ArgumentError("this feedback has no curvature; make it with lqt()")
-        B = self.system.B
+        B = system.B
         noise = B @ np.linalg.inv(self.curvature[:-1]) @ B.T
-        covariance = np.zeros((len(self.gain), *self.system.A.shape))
+        covariance = np.zeros((len(self.gain), *system.A.shape))
         for t, F in enumerate(closed):
             covariance[t + 1] = F @ covariance[t] @ F.T + noise[t]
         return covariance
 
-    def _closed_loop(self):
-        """The matrices A - B K_t (T - 1, n, n) and the drifts B k_t (T - 1, n)."""
+    def _closed_loop(self) -> tuple[LinearSystem, np.ndarray, np.ndarray]:
+        """The system, the matrices A - B K_t (T - 1, n, n) and the drifts B k_t (T - 1, n)."""
         if self.system is None:
             raise ArgumentError("this feedback knows no system; give one or make it with lqt()")
         A, B = self.system.A, self.system.B
-        return A - B @ self.gain[:-1], self.feedforward[:-1] @ B.T
+        return self.system, A - B @ self.gain[:-1], self.feedforward[:-1] @ B.T
 
 
 def checked_state(state: ArrayLike, n: int) -> np.ndarray:
     """The state as an array (n,), or an ArgumentError."""
-    state = np.asarray(state, float)
-    if state.shape != (n,) or not np.isfinite(state).all():
+    state = finite_array("state", state)
+    if state.shape != (n,):
         raise ArgumentError(f"state {state} has shape {state.shape}; give {n} finite numbers")
     return state

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.checks import finite_array, instance
 from tpsim.control.feedback import Feedback
 from tpsim.control.lqr import Regulator
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import finite_array
 
 _INDEFINITE = 1e-8
 """Relative size of a negative eigenvalue that is still taken for rounding of zero."""
@@ -48,7 +48,8 @@ def impedance(precision: ArrayLike, effort: ArrayLike) -> tuple[np.ndarray, np.n
 
     """
     precision, effort = finite_array("precision", precision), finite_array("effort", effort)
-    if precision.ndim < 2 or precision.shape[-1] != precision.shape[-2]:
+    shape = precision.shape
+    if len(shape) < 2 or shape[-1] != shape[-2] or shape[-1] == 0:
         raise ArgumentError(
             f"precision has shape {precision.shape}; give square matrices (..., n, n)"
         )
@@ -85,6 +86,8 @@ def impedance_of(feedback: Feedback | Regulator) -> tuple[np.ndarray, np.ndarray
         If the gain is not that of a double integrator.
 
     """
+    if not isinstance(feedback, Feedback):
+        instance("feedback", feedback, Regulator, "or a Feedback")
     gain = feedback.gain
     controls, states = gain.shape[-2:]
     if states != 2 * controls:

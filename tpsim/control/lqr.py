@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_are, solve_discrete_are
 
+from tpsim.archive import Stored
+from tpsim.checks import finite_array, flag, own
 from tpsim.control.system import LinearSystem
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import finite_array
 
 _UNSTABLE = (
     "no stabilising regulator exists: give Q some weight on every mode that does not vanish by "
@@ -17,7 +18,7 @@ _UNSTABLE = (
 
 
 @dataclass(frozen=True, eq=False)
-class Regulator:
+class Regulator(Stored):
     """Stationary optimal feedback u = -gain xi.
 
     Parameters
@@ -31,6 +32,9 @@ class Regulator:
 
     gain: np.ndarray
     riccati: np.ndarray
+
+    def __post_init__(self) -> None:
+        own(self, "gain", "riccati")
 
 
 def lqr(
@@ -62,7 +66,7 @@ def lqr(
         solution exists: a mode that is not stable is not seen by Q or not moved by B.
 
     """
-    A, B = _matrices(system, discrete)
+    A, B = _matrices(system, flag("discrete", discrete))
     n, m = B.shape
     Q, R = finite_array("Q", Q), finite_array("R", R)
     R = R * np.eye(m) if R.ndim == 0 else R
@@ -98,16 +102,19 @@ def _riccati(A, B, Q, R, discrete):
 def _check_stable(closed_loop, discrete):
     """Raise where a mode stays for ever; rounding moves a double eigenvalue by 1e-8."""
     modes = np.linalg.eigvals(closed_loop)
-    growth = np.abs(modes) - 1.0 if discrete else modes.real
+    growth = np.abs(modes) - 1.0 if discrete else modes.real / np.abs(modes).max(initial=1e-300)
     if (growth > -1e-7).any():
         raise ArgumentError(_UNSTABLE)
 
 
 def _matrices(system, discrete):
     """The matrices A, B of a LinearSystem or pair, checked against ``discrete``."""
-    if not isinstance(system, LinearSystem):
-        A, B = system
-        system = LinearSystem(A, B, None)
+    if isinstance(system, tuple | list) and len(system) == 2:
+        system = LinearSystem(*system, None)
+    elif not isinstance(system, LinearSystem):
+        raise ArgumentError(
+            f"system is a {type(system).__name__}; give integrator(dim, dt), or a pair (A, B)"
+        )
     elif discrete is (system.dt is None):
         kind = "continuous" if system.dt is None else "discrete"
         raise ArgumentError(

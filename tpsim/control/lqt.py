@@ -6,11 +6,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg.lapack import dposv
 
+from tpsim.checks import flag, instance, whole
 from tpsim.control.feedback import Feedback, Plan, checked_state
 from tpsim.control.optimality import solve_optimality
 from tpsim.control.system import LinearSystem
 from tpsim.control.tracking import TrackingProblem, tracking_problem
 from tpsim.errors import ArgumentError
+from tpsim.gaussian import unit_variances
 
 
 def lqt(
@@ -86,6 +88,7 @@ def lqt_batch(
     problem = tracking_problem(means, precisions, system, effort)
     if initial is not None:
         initial = checked_state(initial, len(system.A))
+    covariance = flag("covariance", covariance)
     if not problem.strict or initial is None or covariance:
         policy, curvature = _backward(problem, free_start=initial is None)
     states, controls = solve_optimality(problem, initial)
@@ -127,11 +130,15 @@ def receding_horizon(
         As in :func:`lqt`.
 
     """
-    n, m = system.B.shape
+    n, m = instance("system", system, LinearSystem, "integrator(dim, dt)").B.shape
+    steps = whole("steps", steps)
+    if not callable(reference):
+        raise ArgumentError(f"reference is a {type(reference).__name__}; give reference(t, state)")
     states, controls = np.empty((steps + 1, n)), np.empty((steps, m))
     states[0] = checked_state(initial, n)
     for t in range(steps):
-        controls[t] = lqt(*reference(t, states[t]), system, effort).control(0, states[t])
+        means, precisions = reference(t, states[t])
+        controls[t] = lqt(means, precisions, system, effort).control(0, states[t])
         states[t + 1] = system.step(states[t], controls[t])
     return Plan(states, controls)
 
@@ -177,7 +184,7 @@ def _feedback(problem, policy, curvature):
 
 
 def _check_start(P):
-    values = np.linalg.eigvalsh(P)
+    values = np.linalg.eigvalsh(unit_variances(P))
     if values[0] <= 1e-14 * values[-1]:
         raise ArgumentError(
             "the free first state is undetermined by the precisions; give an initial state"

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.archive import Stored
+from tpsim.checks import entries, finite_array, number, whole
 from tpsim.errors import ArgumentError
 
 
-@dataclass(frozen=True)
-class PlanarChain:
+@dataclass(frozen=True, init=False)
+class PlanarChain(Stored):
     """A serial chain of revolute joints in the plane, angles relative to the previous link.
 
     Parameters
@@ -30,27 +32,29 @@ class PlanarChain:
 
     """
 
-    lengths: Sequence[float]
-    joints: Sequence[int] | None = None
-    size: int | None = None
+    lengths: tuple[float, ...]
+    joints: tuple[int, ...]
+    size: int
 
-    def __post_init__(self):
-        lengths = tuple(float(length) for length in self.lengths)
-        joints = range(len(lengths)) if self.joints is None else self.joints
-        joints = tuple(int(joint) for joint in joints)
-        size = max(joints, default=-1) + 1 if self.size is None else self.size
-        if not lengths or len(joints) != len(lengths) or len(set(joints)) != len(joints):
+    def __init__(
+        self, lengths: ArrayLike, joints: Sequence[int] | None = None, size: int | None = None
+    ):
+        links = np.atleast_1d(finite_array("lengths", lengths))
+        if links.ndim != 1 or not (links > 0).all():
+            raise ArgumentError(f"lengths {links}: give a positive length [m] for every link")
+        given = range(len(links)) if joints is None else joints
+        turned = tuple(whole("joints", joint) for joint in entries("joints", given))
+        if not turned or len(turned) != len(links) or len(set(turned)) != len(turned):
             raise ArgumentError(
-                f"{len(lengths)} lengths and joints {joints} given; give one joint per link"
+                f"{len(links)} lengths and joints {turned} given; give one joint per link"
             )
-        if min(lengths) <= 0 or min(joints) < 0 or max(joints) >= size:
-            raise ArgumentError(
-                f"lengths {lengths}, joints {joints}, size {size}: lengths must be positive and "
-                "joints between 0 and size - 1"
-            )
-        object.__setattr__(self, "lengths", lengths)
-        object.__setattr__(self, "joints", joints)
-        object.__setattr__(self, "size", size)
+        least = max(turned) + 1
+        hint = "joints must be between 0 and size - 1"
+        object.__setattr__(self, "lengths", tuple(links.tolist()))
+        object.__setattr__(self, "joints", turned)
+        object.__setattr__(
+            self, "size", least if size is None else whole("size", size, least, hint)
+        )
 
     def points(self, q: ArrayLike) -> np.ndarray:
         """Positions of the base, the joints and the tip (..., k + 1, 2) [m] for q (..., n)."""
@@ -87,7 +91,7 @@ class PlanarChain:
         return np.stack([np.cos(angles), np.sin(angles)], axis=-1) * np.array(self.lengths)[:, None]
 
     def _posture(self, q: ArrayLike) -> np.ndarray:
-        q = np.asarray(q, float)
+        q = finite_array("q", q)
         if q.ndim < 1 or q.shape[-1] != self.size:
             raise ArgumentError(f"q has shape {q.shape}; this chain needs (..., {self.size})")
         return q
@@ -107,9 +111,10 @@ def two_armed(lengths: Sequence[float]) -> tuple[PlanarChain, PlanarChain]:
         Chains over the same posture q = (trunk, left 1, left 2, right 1, right 2).
 
     """
-    if len(lengths) != 5:
-        raise ArgumentError(f"{len(lengths)} lengths given; a two-armed figure has 5 links")
-    trunk, *arms = lengths
+    links = finite_array("lengths", lengths)
+    if links.shape != (5,):
+        raise ArgumentError(f"{links.size} lengths given; a two-armed figure has 5 links")
+    trunk, *arms = links.tolist()
     left = PlanarChain((trunk, *arms[:2]), joints=(0, 1, 2), size=5)
     right = PlanarChain((trunk, *arms[2:]), joints=(0, 3, 4), size=5)
     return left, right
@@ -132,6 +137,6 @@ def numeric_jacobian(function: Callable, q: ArrayLike, step: float = 1e-6) -> np
     ndarray (m, n)
 
     """
-    q = np.asarray(q, float)
+    q, step = finite_array("q", q), number("step", step, above=0)
     columns = [np.atleast_1d(function(q + d) - function(q - d)) for d in step * np.eye(q.size)]
     return np.stack(columns, axis=-1) / (2.0 * step)

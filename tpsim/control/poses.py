@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim import rotation
+from tpsim.checks import own
 from tpsim.control.feedback import Feedback
 from tpsim.control.lqt import lqt
 from tpsim.control.system import LinearSystem
@@ -34,7 +35,10 @@ class SeenMovement:
     precision: np.ndarray
     reference: np.ndarray
 
-    def __len__(self):
+    def __post_init__(self) -> None:
+        own(self, "mean", "precision", "reference")
+
+    def __len__(self) -> int:
         return len(self.mean)
 
     def from_step(self, first: int) -> "SeenMovement":

@@ -23,9 +23,9 @@ Undamped, singular values below ``CUTOFF`` count as zero, so A is bounded at any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.checks import finite_array, number, whole
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
-from tpsim.gaussian import finite_array
 
 CUTOFF = 1e-3
 """Singular value of a Jacobian below which its task direction is lost [m/rad, rad/rad]."""
@@ -33,9 +33,10 @@ CUTOFF = 1e-3
 
 def pseudoinverse(J: ArrayLike, damping: float = 0.0) -> np.ndarray:
     """Right pseudo-inverse J⁺ (..., n, m) of a Jacobian (..., m, n), bounded at any posture."""
-    if not damping >= 0:
-        raise ArgumentError(f"damping is {damping}; give a singular value of J, at least 0")
-    U, singular, Vt = np.linalg.svd(np.asarray(J, float), full_matrices=False)
+    J, damping = finite_array("J", J), number("damping", damping, least=0)
+    if J.ndim < 2 or 0 in J.shape[-2:]:
+        raise ArgumentError(f"J has shape {J.shape}; give (..., m, n), m and n at least 1")
+    U, singular, Vt = np.linalg.svd(J, full_matrices=False)
     lost = singular < CUTOFF if damping == 0 else False
     inverted = np.where(lost, 0.0, singular) / np.maximum(singular, damping or CUTOFF) ** 2
     return Vt.mT @ (inverted[..., None] * U.mT)
@@ -43,14 +44,14 @@ def pseudoinverse(J: ArrayLike, damping: float = 0.0) -> np.ndarray:
 
 def nullspace(J: ArrayLike, damping: float = 0.0) -> np.ndarray:
     """Nullspace projection N = I - J⁺ J (..., n, n)."""
-    J = np.asarray(J, float)
-    return np.eye(J.shape[-1]) - pseudoinverse(J, damping) @ J
+    J = finite_array("J", J)
+    inverse = pseudoinverse(J, damping)
+    return np.eye(J.shape[-1]) - inverse @ J
 
 
 def joint(n: int) -> Frame:
     """Joint-space constraint in a fixed frame, Eq. 39: A = I, b = 0, for n joints."""
-    if n < 1:
-        raise ArgumentError(f"{n} joints given; a joint frame needs at least one")
+    n = whole("n", n, least=1, hint="a joint frame needs at least one joint")
     return Frame(np.eye(n), np.zeros(n))
 
 
@@ -82,7 +83,7 @@ def absolute(
 
     """
     J, q, x = _checked(J, q, x)
-    return _task_frame(gain * pseudoinverse(J, damping), q, -x)
+    return _task_frame(number("gain", gain) * pseudoinverse(J, damping), q, -x)
 
 
 def relative(
@@ -116,8 +117,9 @@ def relative(
 
     """
     J, q, x = _checked(J, q, x)
-    error = _clipped(np.asarray(b_object, float) - x, clip)
-    return _task_frame(gain * pseudoinverse(J, damping), q, error, A_object)
+    A_object, b_object = _object(A_object, b_object, J)
+    error = _clipped(b_object - x, clip)
+    return _task_frame(number("gain", gain) * pseudoinverse(J, damping), q, error, A_object)
 
 
 def nullspace_joint(
@@ -146,8 +148,8 @@ def nullspace_joint(
         A (..., n, n) of rank n - m, b (..., n).
 
     """
-    J, q, _ = _checked(J, q)
-    return _task_frame(gain * nullspace(J, damping), q, -q)
+    J, q = _posture(J, q)
+    return _task_frame(number("gain", gain) * nullspace(J, damping), q, -q)
 
 
 def nullspace_absolute(
@@ -178,9 +180,9 @@ def nullspace_absolute(
         A (..., n, k), b (..., n).
 
     """
-    J, q, _ = _checked(J, q)
+    J, q = _posture(J, q)
     J_other, q, x_other = _checked(J_other, q, x_other)
-    return _task_frame(gain * _secondary(J, J_other, damping), q, -x_other)
+    return _task_frame(number("gain", gain) * _secondary(J, J_other, damping), q, -x_other)
 
 
 def nullspace_relative(
@@ -216,42 +218,67 @@ def nullspace_relative(
         A (..., n, d), b (..., n).
 
     """
-    J, q, _ = _checked(J, q)
+    J, q = _posture(J, q)
     J_other, q, x_other = _checked(J_other, q, x_other)
-    error = _clipped(np.asarray(b_object, float) - x_other, clip)
-    return _task_frame(gain * _secondary(J, J_other, damping), q, error, A_object)
+    A_object, b_object = _object(A_object, b_object, J_other)
+    error = _clipped(b_object - x_other, clip)
+    return _task_frame(number("gain", gain) * _secondary(J, J_other, damping), q, error, A_object)
 
 
-def _secondary(J, J_other, damping):
+def _secondary(J: np.ndarray, J_other: np.ndarray, damping: float) -> np.ndarray:
     """N(J) J_other⁺: the part of a secondary motion that the first task does not feel."""
     return nullspace(J, damping) @ pseudoinverse(J_other, damping)
 
 
-def _task_frame(lift, q, error, A_object=None):
+def _task_frame(
+    lift: np.ndarray, q: np.ndarray, error: np.ndarray, A_object: np.ndarray | None = None
+) -> Frame:
     """Frame of joint displacements lift (A_object mu + error) from the posture q."""
-    A = lift if A_object is None else lift @ np.asarray(A_object, float)
-    return Frame(A, q + (lift @ error[..., None])[..., 0])
+    A = lift if A_object is None else lift @ A_object
+    b = q + (lift @ error[..., None])[..., 0]
+    if A.shape[:-2] == b.shape[:-1]:
+        return Frame.trusted(A, b)
+    return Frame(A, b)
 
 
-def _clipped(error, clip):
+def _object(
+    A_object: ArrayLike, b_object: ArrayLike, J: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Orientation (..., m, d) and position (..., m) of an object, after comparison with J."""
+    A, b = finite_array("A_object", A_object), finite_array("b_object", b_object)
+    m = J.shape[-2]
+    if A.ndim < 2 or A.shape[-2] != m or b.shape[-1:] != (m,):
+        raise ArgumentError(
+            f"A_object has shape {A.shape} and b_object {b.shape}; with this J they must be "
+            f"(..., {m}, d) and (..., {m})"
+        )
+    return A, b
+
+
+def _clipped(error: np.ndarray, clip: float | None) -> np.ndarray:
     """The error, shortened to the norm ``clip`` without turning it."""
     if clip is None:
         return error
-    if not clip > 0:
-        raise ArgumentError(f"clip is {clip}; give a positive norm [m, rad] or None")
+    clip = number("clip", clip, above=0)
     norm = np.linalg.norm(error, axis=-1, keepdims=True)
     return error * (clip / np.maximum(norm, clip))
 
 
-def _checked(J, q, x=None):
-    """The arguments as arrays, after comparing the sizes of task and configuration."""
+def _posture(J: ArrayLike, q: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """The Jacobian and the posture, after comparing the sizes of the configuration."""
     J, q = finite_array("J", J), finite_array("q", q)
-    x = None if x is None else finite_array("x", x)
     if J.ndim < 2 or q.ndim < 1 or J.shape[-1] != q.shape[-1]:
         raise ArgumentError(
             f"J has shape {J.shape} and q {q.shape}; give J (..., m, n) and q (..., n)"
         )
-    if x is not None and (x.ndim < 1 or x.shape[-1] != J.shape[-2]):
+    return J, q
+
+
+def _checked(J: ArrayLike, q: ArrayLike, x: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The arguments as arrays, after comparing the sizes of task and configuration."""
+    J, q = _posture(J, q)
+    x = finite_array("x", x)
+    if x.ndim < 1 or x.shape[-1] != J.shape[-2]:
         raise ArgumentError(
             f"J has shape {J.shape} and x {x.shape}; give J (..., m, n) and x (..., m)"
         )

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.checks import finite_array, matrix, number
 from tpsim.control.feedback import Plan
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import finite_array
 
 
 def spring_damper(
@@ -41,14 +41,12 @@ def spring_damper(
         If shapes do not fit, an entry is not finite, dt is not positive, or the path diverges.
 
     """
-    targets = finite_array("targets", targets)
-    if targets.ndim != 2 or not len(targets) or not 0 < dt < np.inf:
-        raise ArgumentError(
-            f"targets have shape {targets.shape} and dt is {dt}; give (T, dim) and a positive step"
-        )
+    targets, dt = matrix("targets", targets), number("dt", dt, above=0, what="step [s]")
     T, dim = targets.shape
     K, D = _over_time("stiffness", stiffness, T, dim), _over_time("damping", damping, T, dim)
-    initial = np.r_[targets[0], np.zeros(dim)] if initial is None else np.asarray(initial, float)
+    initial = (
+        np.r_[targets[0], np.zeros(dim)] if initial is None else finite_array("initial", initial)
+    )
     if initial.shape != (2 * dim,):
         raise ArgumentError(f"initial has shape {initial.shape}; give position and velocity")
     x, dx = initial[:dim], initial[dim:]
@@ -71,8 +69,7 @@ def damping_of(stiffness: float, ratio: float = 1.0) -> float:
 
     The optimal controller of :func:`impedance`, D = sqrt(2 K), has the ratio 1/sqrt(2).
     """
-    if not (stiffness >= 0 and ratio >= 0):
-        raise ArgumentError(f"stiffness {stiffness} and ratio {ratio} must not be negative")
+    stiffness, ratio = number("stiffness", stiffness, least=0), number("ratio", ratio, least=0)
     return 2.0 * ratio * float(np.sqrt(stiffness))
 
 

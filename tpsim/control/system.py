@@ -5,12 +5,13 @@ from math import factorial
 
 import numpy as np
 
+from tpsim.archive import Stored
+from tpsim.checks import flag, frozen_array, number, whole
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import finite_array
 
 
 @dataclass(frozen=True, eq=False)
-class LinearSystem:
+class LinearSystem(Stored):
     """A linear system, discrete (xi' = A xi + B u every dt) or continuous (dxi = A xi + B u).
 
     Parameters
@@ -33,14 +34,14 @@ class LinearSystem:
     B: np.ndarray
     dt: float | None = None
 
-    def __post_init__(self):
-        A, B = finite_array("A", self.A), finite_array("B", self.B)
+    def __post_init__(self) -> None:
+        A, B = frozen_array("A", self.A), frozen_array("B", self.B)
         if A.ndim != 2 or A.shape[0] != A.shape[1] or B.ndim != 2 or B.shape[0] != A.shape[0]:
             raise ArgumentError(
                 f"A has shape {A.shape} and B {B.shape}; give A (n, n) and B (n, m)"
             )
-        if self.dt is not None and not 0 < self.dt < np.inf:
-            raise ArgumentError(f"dt is {self.dt}; give a positive step [s] or None (continuous)")
+        if self.dt is not None:
+            object.__setattr__(self, "dt", number("dt", self.dt, above=0, what="step [s]"))
         object.__setattr__(self, "A", A)
         object.__setattr__(self, "B", B)
 
@@ -79,12 +80,13 @@ def integrator(
         If dim or order is below one, or dt is not positive.
 
     """
-    if dim < 1 or order < 1:
-        raise ArgumentError(f"dim is {dim} and order {order}; both must be at least 1")
+    dim, order = whole("dim", dim, least=1), whole("order", order, least=1)
+    if dt is not None:
+        dt = number("dt", dt, above=0, what="step [s]")
     if dt is None:
         A, B = np.eye(order, k=1), np.eye(order)[:, -1:]
-    elif exact:
-        A = sum(np.eye(order, k=k) * dt**k / factorial(k) for k in range(order))
+    elif flag("exact", exact):
+        A = np.sum([np.eye(order, k=k) * dt**k / factorial(k) for k in range(order)], axis=0)
         B = np.array([[dt**k / factorial(k)] for k in range(order, 0, -1)])
     else:
         A, B = np.eye(order) + dt * np.eye(order, k=1), dt * np.eye(order)[:, -1:]

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.checks import finite_array, instance
 from tpsim.control.system import LinearSystem
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import finite_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,29 +40,29 @@ def tracking_problem(
     means: ArrayLike, precisions: ArrayLike, system: LinearSystem, effort: ArrayLike
 ) -> TrackingProblem:
     """Check the arguments of :func:`lqt`; several coordinate systems become one (Eq. 38)."""
-    if system.dt is None:
+    if instance("system", system, LinearSystem, "integrator(dim, dt)").dt is None:
         raise ArgumentError("the system is continuous (dt = None); give integrator(dim, dt)")
-    means, precisions = finite_array("means", means), finite_array("precisions", precisions)
+    means, weights = finite_array("means", means), finite_array("precisions", precisions)
     n, m = system.B.shape
     if (
         means.ndim not in (2, 3)
         or means.shape[-1] != n
         or means.shape[-2] < 1
-        or precisions.shape != (*means.shape, n)
+        or weights.shape != (*means.shape, n)
     ):
         raise ArgumentError(
-            f"means have shape {means.shape} and precisions {precisions.shape}; for a system "
+            f"means have shape {means.shape} and precisions {weights.shape}; for a system "
             f"of {n} states give (T, {n}) and (T, {n}, {n}), or (P, T, ...) for P frames"
         )
-    _check_semidefinite(precisions, "precision")
+    _check_semidefinite(weights, "precision")
     R, strict = _checked_effort(effort, means.shape[-2], m)
-    eta = (precisions @ means[..., None])[..., 0]
+    eta = (weights @ means[..., None])[..., 0]
     if means.ndim == 3:
-        precisions, eta = precisions.sum(axis=0), eta.sum(axis=0)
-    return TrackingProblem(system, precisions, eta, R, strict)
+        weights, eta = weights.sum(axis=0), eta.sum(axis=0)
+    return TrackingProblem(system, weights, eta, R, strict)
 
 
-def _checked_effort(effort, T, m):
+def _checked_effort(effort: ArrayLike, T: int, m: int) -> tuple[np.ndarray, bool]:
     """R (m, m) or (T, m, m) and whether it is positive definite."""
     R = finite_array("effort", effort)
     R = R * np.eye(m) if R.ndim == 0 else R
@@ -76,7 +76,7 @@ def _checked_effort(effort, T, m):
     return R, strict
 
 
-def _check_semidefinite(matrices, name):
+def _check_semidefinite(matrices: np.ndarray, name: str) -> None:
     """Raise unless all matrices are symmetric and positive semi-definite up to rounding."""
     size = np.abs(matrices).max(axis=(-1, -2))
     skew = np.abs(matrices - np.swapaxes(matrices, -1, -2)).max(axis=(-1, -2))

@@ -6,12 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.agreement import agreed_with_warning
+from tpsim.checks import choice, column_or_matrix, number, own, several, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 
 # Steps back from a cell (i, j), in the order in which a tie is decided: the diagonal first,
 # so that the path is as short as possible.
-_STEPS = np.array([(1, 1), (0, 1), (1, 0)])
+_STEPS = ((1, 1), (0, 1), (1, 0))
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,9 @@ class Warp:
 
     path: np.ndarray
     cost: float
+
+    def __post_init__(self) -> None:
+        own(self, "path")
 
     def timing(self) -> np.ndarray:
         """For every sample of the reference, the matched (fractional) index of the other.
@@ -51,6 +56,7 @@ def dtw(reference: ArrayLike, other: ArrayLike, *, band: float | None = None) ->
         The sequence to be matched with it.
     band : float, optional
         Matched indices differ by ``max(band, |T - T'|)`` samples at most. Without it, any.
+        Memory and time are those of the cells inside the band.
 
     Returns
     -------
@@ -64,19 +70,18 @@ def dtw(reference: ArrayLike, other: ArrayLike, *, band: float | None = None) ->
     ArgumentError
         The sequences are empty, not finite, of different dimensions, or the band is negative.
     """
-    x, y = _sequence(reference, "reference"), _sequence(other, "other")
+    x, y = column_or_matrix("reference", reference), column_or_matrix("other", other)
     if x.shape[1] != y.shape[1]:
         raise ArgumentError(
             f"reference has {x.shape[1]} variables and other has {y.shape[1]}; "
             "give both the same columns"
         )
-    if band is not None and not band >= 0:
-        raise ArgumentError(f"band is {band}; give a number of samples >= 0, or None")
-    from scipy.spatial.distance import cdist
-
-    width = np.inf if band is None else max(band, abs(len(x) - len(y)))
-    steps, cost = _accumulate(cdist(x, y), width)
-    return Warp(_trace_back(steps), cost)
+    longest = max(len(x), len(y))
+    if band is not None:
+        band = min(int(number("band", band, least=0)), longest)
+    width = longest if band is None else max(band, abs(len(x) - len(y)))
+    diagonals, cost = _accumulate(x, y, width)
+    return Warp(_trace_back(diagonals), cost)
 
 
 def align(
@@ -117,15 +122,15 @@ def align(
     ArgumentError
         No demonstrations, different dimensions, or an argument out of its range.
     """
-    demonstrations = list(demonstrations)
-    if not demonstrations or rounds < 1:
-        raise ArgumentError(
-            f"{len(demonstrations)} demonstrations and {rounds} rounds; give at least one of both"
-        )
+    demonstrations = several("demonstrations", demonstrations, Demonstration)
+    whole("rounds", rounds, least=1)
+    if not demonstrations:
+        raise ArgumentError("no demonstrations were given; give at least one")
+    demonstrations = agreed_with_warning(demonstrations)
     if reference is None:
         durations = [d.time[-1] - d.time[0] for d in demonstrations]
         reference = int(np.argsort(durations, kind="stable")[len(durations) // 2])
-    elif not -len(demonstrations) <= reference < len(demonstrations):
+    elif whole("reference", reference, least=-len(demonstrations)) >= len(demonstrations):
         raise ArgumentError(f"reference is {reference}, of {len(demonstrations)} demonstrations")
     features = _features(demonstrations, by)
     time = demonstrations[reference].time
@@ -138,14 +143,13 @@ def align(
 
 
 def _features(demonstrations: list[Demonstration], by: str) -> list[np.ndarray]:
+    choice("by", by, ("data", "frames"))
     if by == "data":
         features = [d.data for d in demonstrations]
-    elif by == "frames" and all(d.observations for d in demonstrations):
+    elif all(d.observations for d in demonstrations):
         features = [np.hstack(d.observations) for d in demonstrations]
     else:
-        raise ArgumentError(
-            f"by is {by!r}; give 'data', or 'frames' for demonstrations with frames"
-        )
+        raise ArgumentError("by is 'frames', but a demonstration has none; give by='data'")
     columns = {feature.shape[1] for feature in features}
     if len(columns) > 1:
         raise ArgumentError(f"demonstrations have {sorted(columns)} variables; give equally many")
@@ -169,40 +173,42 @@ def _warped(demonstration: Demonstration, timing: np.ndarray, time: np.ndarray) 
     return replace(demonstration.resampled(moments), time=time)
 
 
-def _sequence(values: ArrayLike, name: str) -> np.ndarray:
-    values = np.asarray(values, dtype=float)
-    values = values[:, None] if values.ndim == 1 else values
-    if values.ndim != 2 or 0 in values.shape or not np.isfinite(values).all():
-        raise ArgumentError(
-            f"{name} has shape {values.shape}; give finite numbers of shape (T,) or (T, D), T >= 1"
-        )
-    return values
+Diagonal = tuple[int, np.ndarray]
+"""First row i of the cells on an antidiagonal i + j = k, and the step taken into each of them."""
 
 
-def _accumulate(distance: np.ndarray, width: float) -> tuple[np.ndarray, float]:
-    """Step taken into every cell and total cost; one antidiagonal i + j = k at a time."""
-    n, m = distance.shape
-    steps = np.zeros((n, m), dtype=np.int8)
-    # Cost by row i on the diagonals k - 2 and k - 1; entry 0 is the border i = -1.
-    before = np.full(n + 1, np.inf)
-    last = np.full(n + 1, np.inf)
+def _accumulate(x: np.ndarray, y: np.ndarray, width: int) -> tuple[list[Diagonal], float]:
+    """Steps taken into every cell and total cost; one antidiagonal i + j = k at a time.
+
+    Only cells with |i - j| <= width are touched, and only two antidiagonals of costs are kept.
+    """
+    n, m = len(x), len(y)
+    diagonals: list[Diagonal] = []
+    # Cost by row i on the diagonals k - 2, k - 1 and k; entry 0 is the border i = -1.
+    before, last, now = (np.full(n + 2, np.inf) for _ in range(3))
     before[0] = 0.0
     for k in range(n + m - 1):
-        low = max(0, k - m + 1, int(np.ceil((k - width) / 2)) if np.isfinite(width) else 0)
-        high = min(n - 1, k, int((k + width) // 2) if np.isfinite(width) else k)
-        i = np.arange(low, high + 1)
-        candidates = np.stack([before[i], last[i + 1], last[i]])
-        steps[i, k - i] = best = candidates.argmin(0)
-        cost = np.full(n + 1, np.inf)
-        cost[i + 1] = distance[i, k - i] + candidates[best, np.arange(len(i))]
-        before, last = last, cost
-    return steps, float(last[n])
+        low = max(0, k - m + 1, -((width - k) // 2))
+        high = min(n - 1, k, (k + width) // 2)
+        i = slice(low, high + 1)
+        # Back by (1, 1), (0, 1), (1, 0) from row i: rows i - 1, i and i - 1, shifted by the border.
+        ways = np.stack([before[i], last[low + 1 : high + 2], last[i]])
+        best = ways.argmin(0).astype(np.int8)
+        apart = x[i] - y[k - high : k - low + 1][::-1]
+        now[low] = now[high + 2] = np.inf
+        now[low + 1 : high + 2] = np.sqrt(np.einsum("nd,nd->n", apart, apart)) + ways.min(0)
+        diagonals.append((low, best))
+        before, last, now = last, now, before
+    return diagonals, float(last[n])
 
 
-def _trace_back(steps: np.ndarray) -> np.ndarray:
-    cell = np.array(steps.shape) - 1
-    path = [cell]
-    while cell.any():
-        cell = cell - _STEPS[steps[tuple(cell)]]
-        path.append(cell)
+def _trace_back(diagonals: list[Diagonal]) -> np.ndarray:
+    k = len(diagonals) - 1
+    i = diagonals[-1][0]
+    path = [(i, k - i)]
+    while k > 0:
+        low, best = diagonals[k]
+        up, across = _STEPS[best[i - low]]
+        i, k = i - up, k - up - across
+        path.append((i, k - i))
     return np.array(path[::-1])

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tpsim.checks import number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.moments import Moments
@@ -55,26 +56,32 @@ class Mixture:
         return tuple(found[j] for j in range(len(found)))
 
 
-def regularisation(samples: Samples, ridge: float | None) -> tuple[Regularisation, ...]:
-    """Regularisation per group of frames: the data's own floor, or a ridge (Eq. 8)."""
+Limits = Sequence[Regularisation]
+"""One regularisation per group of frames."""
+
+
+def regularisation(samples: Samples, ridge: float | None, parts: Moments) -> Limits:
+    """Regularisation per group of frames: the data's own floor, or a ridge (Eq. 8).
+
+    ``parts`` are the moments of the samples on which the components start.
+    """
     if ridge is None:
-        return data_floors(samples.total())
-    if not (np.isfinite(ridge) and ridge >= 0):
-        raise ArgumentError(f"ridge is {ridge}; it must be a finite number >= 0, or None")
-    return tuple(Ridge(float(ridge)) for _ in samples.groups)
+        return data_floors(samples.total(), parts)
+    rho = number("ridge", ridge, least=0)
+    return tuple(Ridge(rho) for _ in samples.groups)
 
 
 def maximise(
     moments: Moments,
     previous: Mixture | None,
     structure: Structure,
-    limits: Sequence[Regularisation],
+    limits: Limits,
 ) -> Mixture:
     """M-step, Eqs (50-52): the mixture that explains the moments best."""
     weight = moments.weight
     alive = weight > EMPTY
     priors = np.maximum(weight, EMPTY)
-    old = previous.components if previous else (None,) * len(limits)
+    old: Sequence[Components | None] = previous.components if previous else (None,) * len(limits)
     components = tuple(
         _fit(mean, scatter, part, alive, structure, limit)
         for mean, scatter, part, limit in zip(
@@ -84,7 +91,14 @@ def maximise(
     return Mixture(priors / priors.sum(), components)
 
 
-def _fit(mean, scatter, old, alive, structure, limit) -> Components:
+def _fit(
+    mean: np.ndarray,
+    scatter: np.ndarray,
+    old: Components | None,
+    alive: np.ndarray,
+    structure: Structure,
+    limit: Regularisation,
+) -> Components:
     """Fit one group of frames; components without samples stay where they were."""
     if old is not None and not alive.all():
         mean = np.where(alive[:, None], mean, old.mean)
@@ -94,7 +108,7 @@ def _fit(mean, scatter, old, alive, structure, limit) -> Components:
     return Components(mean, covariance, factors)
 
 
-def project(mixture: Mixture, structure: Structure, limits: Sequence[Regularisation]) -> Mixture:
+def project(mixture: Mixture, structure: Structure, limits: Limits) -> Mixture:
     """Start EM from covariances of another structure.
 
     Under a floor the covariances are first brought into the structure, so that the likelihood
@@ -114,7 +128,7 @@ def em(
     samples: Samples,
     start: Mixture,
     structure: Structure,
-    limits: Sequence[Regularisation],
+    limits: Limits,
     tolerance: float,
     max_iterations: int,
 ) -> tuple[Mixture, np.ndarray]:
@@ -126,7 +140,8 @@ def em(
         ``history[i]`` is the mean log-likelihood after i iterations: the first entry belongs to
         the start, the last to the mixture returned.
     """
-    mixture, history = start, []
+    mixture = start
+    history: list[float] = []
     for _ in range(max_iterations):
         log_likelihood, moments = samples.expectation(mixture.priors, mixture.components)
         history.append(log_likelihood)
@@ -139,13 +154,12 @@ def em(
 
 def likeliest(
     samples: Samples,
-    starts: Iterable[Mixture],
+    starts: Iterable[tuple[Mixture, Limits]],
     structure: Structure,
-    limits: Sequence[Regularisation],
     tolerance: float,
     max_iterations: int,
 ) -> tuple[Mixture, np.ndarray]:
-    """Run EM from every start and keep the likeliest mixture, with its history.
+    """Run EM from every start, under its own limits, and keep the likeliest, with its history.
 
     Raises
     ------
@@ -155,7 +169,8 @@ def likeliest(
     try:
         with np.errstate(divide="raise", invalid="raise", over="raise"):
             found = [
-                em(samples, start, structure, limits, tolerance, max_iterations) for start in starts
+                em(samples, start, structure, limits, tolerance, max_iterations)
+                for start, limits in starts
             ]
     except (np.linalg.LinAlgError, FloatingPointError) as error:
         raise ArgumentError(

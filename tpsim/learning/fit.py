@@ -6,10 +6,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.agreement import agreed_with_warning
+from tpsim.checks import (
+    Seed,
+    bound,
+    choice,
+    entries,
+    finite_array,
+    generator,
+    is_table,
+    several,
+    whole,
+)
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import Gaussian, finite_array
-from tpsim.learning.em import Mixture, likeliest, maximise, project, regularisation
+from tpsim.gaussian import Gaussian
+from tpsim.learning.em import Limits, Mixture, likeliest, maximise, project, regularisation
 from tpsim.learning.start import clusters, split_in_time, time_of
 from tpsim.learning.statistics import Samples
 from tpsim.learning.subspace import Structure, structure_of
@@ -17,8 +29,11 @@ from tpsim.learning.subspace import Structure, structure_of
 Start = str | tuple[np.ndarray, Sequence[Gaussian]] | None
 """``"time"``, ``"kmeans"``, priors and Gaussians of a model, or None for the best of both."""
 
-Views = Sequence[Demonstration] | Sequence[ArrayLike]
+Views = Demonstration | Sequence[Demonstration] | Sequence[ArrayLike]
 """Demonstrations, or what each of P frames saw, (N, d_j)."""
+
+MANY = 50_000  # samples from which on EM first looks for its start among a share of them
+FEW = 10_000  # samples in that share
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,32 +45,83 @@ class Fit:
     history: np.ndarray
     samples: Samples
     structure: Structure
+    time: np.ndarray
 
 
-def views_of(observations: Views) -> tuple[list[np.ndarray], list[int]]:
-    """Views (N, d_j) of all frames, and the lengths of the sequences they are made of."""
-    observations = list(observations)
-    if observations and all(isinstance(o, Demonstration) for o in observations):
-        counts = {len(demonstration.observations) for demonstration in observations}
-        dims = {tuple(v.shape[1] for v in d.observations) for d in observations}
-        if len(dims) != 1 or counts == {0}:
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What all frames saw: views (N, d_j), of sequences one after the other, and their stamps."""
+
+    views: list[np.ndarray]
+    lengths: list[int]
+    stamps: list[np.ndarray] | None = None
+
+    def time(self, given: ArrayLike | None = None) -> np.ndarray:
+        """Time of every sample, from 0 to 1, (N,)."""
+        return time_of(self.views, self.lengths, given, self.stamps)
+
+
+def demonstrations_of(name: str, observations: object) -> list[Demonstration] | None:
+    """Demonstrations, one or many, in agreement about signs and turns; None for anything else."""
+    if isinstance(observations, Demonstration):
+        observations = [observations]
+    if not isinstance(observations, Sequence) or isinstance(observations, str | bytes):
+        return None
+    given = [isinstance(one, Demonstration) for one in observations]
+    if not any(given):
+        return None
+    return agreed_with_warning(several(name, observations, Demonstration))
+
+
+def seen_by_frames(observations: object) -> Seen:
+    """Views (N, d_j) of all frames, from demonstrations or from one array per frame."""
+    demonstrations = demonstrations_of("demonstrations", observations)
+    if demonstrations is not None:
+        dims = [tuple(v.shape[1] for v in d.observations) for d in demonstrations]
+        if len(set(dims)) != 1 or not dims[0]:
+            odd = next((m for m, d in enumerate(dims) if d != dims[0] or not d), 0)
             raise ArgumentError(
-                f"the demonstrations have views of dimensions {sorted(dims)}; all need the same "
-                "frames, at least one"
+                f"demonstration {odd} has views of dimensions {dims[odd]}, the first one "
+                f"{dims[0]}; all need the same frames or observations, at least one"
             )
         views = [
             np.concatenate(view)
-            for view in zip(*(d.observations for d in observations), strict=True)
+            for view in zip(*(d.observations for d in demonstrations), strict=True)
         ]
-        return views, [len(demonstration) for demonstration in observations]
-    views = [finite_array("observations", view) for view in observations]
+        return Seen(views, [len(d) for d in demonstrations], [d.time for d in demonstrations])
+    views = [
+        finite_array(f"observations[{j}]", view)
+        for j, view in enumerate(entries("observations", observations))
+    ]
     shapes = [view.shape for view in views]
     if not views or any(len(s) != 2 or 0 in s or s[0] != shapes[0][0] for s in shapes):
         raise ArgumentError(
             f"observations have shapes {shapes}; give demonstrations, or one (N, d_j) array per "
             "frame with the same N >= 1"
         )
-    return views, [len(views[0])]
+    return Seen(views, [len(views[0])])
+
+
+def seen_as_data(sequences: object) -> Seen:
+    """Samples (N, D) of one or more sequences (T_m, D), or of the data of demonstrations."""
+    demonstrations = demonstrations_of("data", sequences)
+    if demonstrations is not None:
+        arrays = [d.data for d in demonstrations]
+    elif is_table("data", sequences):
+        arrays = [finite_array("data", sequences)]
+    else:
+        arrays = [
+            finite_array(f"data[{m}]", one) for m, one in enumerate(entries("data", sequences))
+        ]
+        if arrays and all(one.ndim == 1 for one in arrays):
+            arrays = [finite_array("data", sequences)]
+    shapes = [one.shape for one in arrays]
+    if not arrays or any(len(s) != 2 or 0 in s or s[1] != shapes[0][1] for s in shapes):
+        raise ArgumentError(
+            f"data has shapes {shapes}; give (N, D), or sequences (T_m, D) of one D, none empty"
+        )
+    stamps = None if demonstrations is None else [d.time for d in demonstrations]
+    return Seen([np.concatenate(arrays)], [len(one) for one in arrays], stamps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,66 +135,101 @@ class Options:
     max_iterations: int
     restarts: int
     time: ArrayLike | None
-    rng: np.random.Generator | None
+    rng: Seed
 
-    def __post_init__(self):
-        checked_count("max_iterations", self.max_iterations, least=0)
-        checked_count("restarts", self.restarts, least=0)
-        if not isinstance(self.tolerance, int | float | np.number) or np.isnan(self.tolerance):
-            raise ArgumentError(f"tolerance is {self.tolerance!r}; it must be a number")
-        if isinstance(self.start, str) and self.start not in ("time", "kmeans"):
+    def __post_init__(self) -> None:
+        whole("max_iterations", self.max_iterations)
+        whole("restarts", self.restarts)
+        bound("tolerance", self.tolerance)
+        if isinstance(self.start, str):
+            choice("start", self.start, ("time", "kmeans"))
+        elif self.start is not None and not (
+            isinstance(self.start, tuple) and len(self.start) == 2
+        ):
             raise ArgumentError(
-                f"start is {self.start!r}; give 'time', 'kmeans', a model, or None for the best"
+                f"start is a {type(self.start).__name__}; give 'time', 'kmeans', a model of the "
+                "same kind, or None for the best"
             )
 
 
-def fit(
-    views: Sequence[np.ndarray], lengths: Sequence[int], components: int, options: Options
-) -> Fit:
-    """Fit a mixture to samples seen from P frames, ``views`` (N, d_j) each.
-
-    ``lengths`` are those of the sequences that the samples are made of, one after the other.
-    """
+def fit(seen: Seen, components: int, options: Options) -> Fit:
+    """Fit a mixture to samples seen from P frames."""
     structure = structure_of(options.covariance)
-    checked_count("components", components, least=1)
-    _check_samples(views, components)
-    samples = Samples(views)
-    limits = regularisation(samples, options.ridge)
-    starts = _starts(samples, views, lengths, components, options, limits)
+    whole("components", components, least=1)
+    generator("rng", options.rng, 0)
+    _check_samples(seen.views, components)
+    time = seen.time(options.time)
+    samples = Samples(seen.views)
+    if samples.count <= MANY or isinstance(options.start, tuple):
+        starts = _starts(samples, seen.views, time, components, options)
+    else:
+        # What many samples say about where to start, a share of them says as well.
+        rows = slice(None, None, -(-samples.count // FEW))
+        few = [view[rows] for view in seen.views]
+        thin = Samples(few)
+        best, _ = likeliest(
+            thin,
+            _starts(thin, few, time[rows], components, options),
+            structure,
+            options.tolerance,
+            options.max_iterations,
+        )
+        starts = iter([_begun(best, samples, structure, options)])
     mixture, history = likeliest(
-        samples, starts, structure, limits, options.tolerance, options.max_iterations
+        samples, starts, structure, options.tolerance, options.max_iterations
     )
     frames = mixture.frames(samples)
     for frame in frames:
         _ = frame.precision  # computed once, remembered, and refused here if it means nothing
-    return Fit(mixture.priors, frames, history, samples, structure)
+    return Fit(mixture.priors, frames, history, samples, structure, time)
 
 
-def _starts(samples, views, lengths, components, options, limits) -> Iterator[Mixture]:
+def _starts(
+    samples: Samples,
+    views: Sequence[np.ndarray],
+    time: np.ndarray,
+    components: int,
+    options: Options,
+) -> Iterator[tuple[Mixture, Limits]]:
     """Mixtures to begin with: the model that was given, or one from each labelling."""
     structure = structure_of(options.covariance)
     if isinstance(options.start, tuple):
-        yield project(_given(options.start, components, samples), structure, limits)
+        yield _begun(_given(options.start, components, samples), samples, structure, options)
         return
-    for labels in _labellings(views, lengths, components, options):
+    for labels in _labellings(views, time, components, options):
         one_hot = (labels[:, None] == np.arange(components)).astype(float)
-        yield maximise(samples.moments(one_hot), None, structure, limits)
+        parts = samples.moments(one_hot)
+        limits = regularisation(samples, options.ridge, parts)
+        yield maximise(parts, None, structure, limits), limits
 
 
-def _labellings(views, lengths, components, options) -> Iterator[np.ndarray]:
+def _begun(
+    mixture: Mixture, samples: Samples, structure: Structure, options: Options
+) -> tuple[Mixture, Limits]:
+    """Begin from a mixture: its floors are set by the samples that it claims."""
+    _, parts = samples.expectation(mixture.priors, mixture.components)
+    limits = regularisation(samples, options.ridge, parts)
+    return project(mixture, structure, limits), limits
+
+
+def _labellings(
+    views: Sequence[np.ndarray], time: np.ndarray, components: int, options: Options
+) -> Iterator[np.ndarray]:
     """Labels (N,) that share the samples out among the components."""
     if components == 1:
         yield np.zeros(len(views[0]), int)
         return
     if options.start != "kmeans":
-        yield split_in_time(time_of(views, lengths, options.time), components)
+        yield split_in_time(time, components)
     if options.start != "time":
-        rng = np.random.default_rng(0) if options.rng is None else options.rng
+        rng = generator("rng", options.rng, 0)
         for _ in range(1 + options.restarts):
             yield clusters(views, components, rng)
 
 
-def _given(model, components: int, samples: Samples) -> Mixture:
+def _given(
+    model: tuple[np.ndarray, Sequence[Gaussian]], components: int, samples: Samples
+) -> Mixture:
     priors, frames = model
     dims = {j: d for group, d in zip(samples.groups, samples.dims, strict=True) for j in group}
     shapes = [frame.mean.shape for frame in frames]
@@ -136,12 +237,6 @@ def _given(model, components: int, samples: Samples) -> Mixture:
     if shapes != expected:
         raise ArgumentError(f"start has means of shapes {shapes}; the data ask for {expected}")
     return Mixture.of(np.maximum(priors, np.finfo(float).tiny), frames, samples)
-
-
-def checked_count(name: str, value: int, least: int) -> None:
-    """Raise an ArgumentError unless ``value`` is a whole number from ``least`` upwards."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-        raise ArgumentError(f"{name} is {value!r}; it must be a whole number >= {least}")
 
 
 def _check_samples(views: Sequence[np.ndarray], components: int) -> None:

@@ -6,37 +6,44 @@ states, and demo_trajHSMM01); the equations are those of L. R. Rabiner, Proc. IE
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.archive import Stored
+from tpsim.checks import Seed, bound, choice, frozen_array, generator, matrix, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
-from tpsim.gaussian import Gaussian, finite_array
+from tpsim.gaussian import Gaussian
 from tpsim.learning.em import Mixture, maximise, project, regularisation
-from tpsim.learning.fit import Start
+from tpsim.learning.fit import Seen, Start, seen_as_data, seen_by_frames
 from tpsim.learning.gmm import GMM, fit_gmm, log_priors
 from tpsim.learning.markov import MarkovChain
 from tpsim.learning.semi_markov import SemiMarkovChain
 from tpsim.learning.statistics import Samples
 from tpsim.learning.subspace import Structure, structure_of
-from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm, views_of
+from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
+from tpsim.timeline import check_even
 
 Chain = MarkovChain | SemiMarkovChain
 Emissions = GMM | TPGMM
-Sequences = Sequence[Demonstration] | Sequence[ArrayLike]
+Sequences = Demonstration | Sequence[Demonstration] | Sequence[ArrayLike]
 
 
 @dataclass(frozen=True, eq=False)
-class HiddenStates:
+class HiddenStates(Stored):
     """What HMM and HSMM have in common: a chain of K states, and what the states look like."""
 
     chain: Chain
     emissions: Emissions
     history: np.ndarray = field(default_factory=lambda: np.empty(0))
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
+        if not isinstance(self.chain, Chain) or not isinstance(self.emissions, Emissions):
+            raise ArgumentError("give a (semi-)Markov chain, and emissions: a GMM or a TPGMM")
+        object.__setattr__(self, "history", frozen_array("history", self.history))
         if self.emissions.components != len(self.chain.initial):
             raise ArgumentError(
                 f"the chain has {len(self.chain.initial)} states and the emissions "
@@ -55,11 +62,16 @@ class HiddenStates:
             raise ArgumentError("this model lives in frames; call adapt(frames) first")
         return self.emissions.gaussians
 
-    def adapt(self, frames: Sequence[Frame | None], **options):
+    def adapt(
+        self,
+        frames: Sequence[Frame | None],
+        ridge: float | None = None,
+        prior: Gaussian | None = None,
+    ) -> Self:
         """The same states for new frames, Eqs (5-6); options as in :meth:`TPGMM.adapt`."""
         if not isinstance(self.emissions, TPGMM):
             raise ArgumentError("this model has no frames to adapt; fit it to Demonstrations")
-        return replace(self, emissions=self.emissions.adapt(frames, **options))
+        return replace(self, emissions=self.emissions.adapt(frames, ridge, prior))
 
     def log_densities(self, observations: Demonstration | ArrayLike) -> np.ndarray:
         """Log density of every sample in every state, (T, K).
@@ -69,11 +81,18 @@ class HiddenStates:
         observations : Demonstration, (T, D) array, or P arrays (T, d_j)
             One sequence. Arrays per frame are for a task-parameterized model.
         """
+        emissions = self.emissions
         if isinstance(observations, Demonstration):
-            tp = isinstance(self.emissions, TPGMM)
-            observations = [observations] if tp else observations.data
-        joint = self.emissions.log_joint(observations)
-        return joint - log_priors(self.emissions.priors)
+            check_even("demonstration", [observations.time])
+            if isinstance(emissions, TPGMM):
+                joint = emissions.log_joint(observations)
+            else:
+                joint = emissions.log_joint(matrix("data", observations.data, emissions.dim))
+        elif isinstance(emissions, TPGMM):
+            joint = emissions.log_joint(observations)
+        else:
+            joint = emissions.log_joint(matrix("observations", observations, emissions.dim))
+        return joint - log_priors(emissions.priors)
 
     def log_likelihood(self, observations: Demonstration | ArrayLike) -> float:
         """Log-likelihood of one whole sequence [nats]."""
@@ -93,15 +112,15 @@ class HiddenStates:
 
     def state_probabilities(self, steps: int) -> np.ndarray:
         """P(s_t) for a movement yet to be made, (steps, K): the forward variable alone."""
-        return self.chain.probabilities(_steps(steps))
+        return self.chain.probabilities(whole("steps", steps, least=1))
 
     def state_sequence(self, steps: int) -> np.ndarray:
         """Most likely state at every step of a movement yet to be made, (steps,)."""
         return self.state_probabilities(steps).argmax(1)
 
-    def sample_states(self, steps: int, rng: np.random.Generator) -> np.ndarray:
-        """Draw the states of a movement yet to be made, (steps,)."""
-        return self.chain.sample(_steps(steps), rng)
+    def sample_states(self, steps: int, rng: Seed) -> np.ndarray:
+        """Draw the states of a movement yet to be made, (steps,); ``rng`` may be a seed."""
+        return self.chain.sample(whole("steps", steps, least=1), generator("rng", rng))
 
 
 class HMM(HiddenStates):
@@ -128,15 +147,16 @@ def fit_hmm(
     ridge: float | None = None,
     tolerance: float = 1e-5,
     max_iterations: int = 100,
-    rng: np.random.Generator | None = None,
+    rng: Seed = None,
 ) -> HMM:
     """Fit a hidden Markov model by EM (Baum-Welch).
 
     Parameters
     ----------
     sequences : sequence of Demonstration, or of (T_m, D) arrays
-        Movements of any lengths. From demonstrations with frames the model learns what every
-        frame sees (a TP-HMM, with ``adapt``), else the data.
+        Movements of any lengths. From demonstrations with frames or observations the model
+        learns what every frame sees (a TP-HMM, with ``adapt``), else the data. The model counts
+        samples: demonstrations must be evenly sampled, at one rate or in equal numbers.
     components : int
         Number of states K.
     topology : str
@@ -186,24 +206,29 @@ def fit_states(
     ridge: float | None,
     tolerance: float,
     max_iterations: int,
-    rng: np.random.Generator | None,
+    rng: Seed,
 ) -> tuple[Chain, Emissions, np.ndarray]:
     """EM for either chain and either kind of emissions; see :func:`fit_hmm`.
 
     ``chain_of(components, topology, stay)`` makes the chain to begin with.
     """
-    sequences = list(sequences)
+    choice("topology", topology, ("left-right", "any"))
+    bound("tolerance", tolerance)
+    whole("max_iterations", max_iterations)
+    whole("components", components, least=1)
     if not isinstance(start, Emissions):
-        options = {"covariance": covariance, "start": start, "ridge": ridge, "rng": rng}
-        start = _mixture(sequences, components, **options)
-    views, lengths = _views(sequences, components, start)
+        start = _mixture(sequences, components, covariance, start, ridge, rng)
+    seen = _seen(sequences, components, start)
+    views, lengths = seen.views, seen.lengths
     chain = chain_of(components, topology, sum(lengths) / len(lengths) / components)
     if topology == "left-right":
         start = _in_order(start, views, lengths)
     structure, samples = structure_of(covariance), Samples(views)
-    limits = regularisation(samples, ridge)
-    mixture = Mixture.of(start.priors, _frames(start), samples)
-    mixture, history = project(mixture, structure, limits), []
+    mixture = Mixture.of(np.maximum(start.priors, np.finfo(float).tiny), _frames(start), samples)
+    _, parts = samples.expectation(mixture.priors, mixture.components)
+    limits = regularisation(samples, ridge, parts)
+    mixture = project(mixture, structure, limits)
+    history: list[float] = []
     while True:
         densities = np.split(samples.log_densities(mixture.components), np.cumsum(lengths)[:-1])
         found = chain.expectation(densities)
@@ -218,34 +243,39 @@ def fit_states(
     return chain, replace(model, samples=samples.count, structure=structure), np.array(history)
 
 
-def _mixture(sequences: list, components: int, **options) -> Emissions:
+def _mixture(
+    sequences: Sequences,
+    components: int,
+    covariance: str | Structure,
+    start: Start,
+    ridge: float | None,
+    rng: Seed,
+) -> Emissions:
     """Mixture to begin with, fitted to the same samples."""
-    if sequences and all(isinstance(s, Demonstration) and s.frames for s in sequences):
-        return fit_tp_gmm(sequences, components, **options)
-    return fit_gmm([_data(sequence) for sequence in sequences], components, **options)
+    fit = fit_tp_gmm if _have_views(sequences) else fit_gmm
+    return fit(sequences, components, covariance=covariance, start=start, ridge=ridge, rng=rng)
 
 
-def _views(
-    sequences: list, components: int, start: Emissions
-) -> tuple[list[np.ndarray], list[int]]:
+def _have_views(sequences: Sequences) -> bool:
+    """Whether these are demonstrations with something that their frames saw."""
+    some = sequences if isinstance(sequences, list | tuple) else [sequences]
+    return bool(some) and all(isinstance(s, Demonstration) and s.observations for s in some)
+
+
+def _seen(sequences: Sequences, components: int, start: Emissions) -> Seen:
     """Samples (N, d_j) as the emissions see them, and the lengths of the sequences."""
-    if isinstance(start, TPGMM):
-        views, lengths = views_of(sequences)
-    else:
-        data = [finite_array("sequences", _data(sequence)) for sequence in sequences]
-        views, lengths = [np.concatenate(data)], [len(one) for one in data]
-    expected = [(components, view.shape[-1]) for view in views]
+    tp = isinstance(start, TPGMM)
+    seen = seen_by_frames(sequences) if tp else seen_as_data(sequences)
+    if seen.stamps is not None:
+        check_even("demonstration", seen.stamps)
+    expected = [(components, view.shape[-1]) for view in seen.views]
     given = [gaussian.mean.shape for gaussian in _frames(start)]
-    if given != expected or 0 in lengths:
+    if given != expected:
         raise ArgumentError(
-            f"start has means of shapes {given}, the sequences of lengths {lengths} ask for "
+            f"start has means of shapes {given}, the sequences of lengths {seen.lengths} ask for "
             f"{expected}; give components, sequences and start that fit together"
         )
-    return views, lengths
-
-
-def _data(sequence: Demonstration | ArrayLike) -> ArrayLike:
-    return sequence.data if isinstance(sequence, Demonstration) else sequence
+    return seen
 
 
 def _frames(emissions: Emissions) -> tuple[Gaussian, ...]:
@@ -258,14 +288,11 @@ def _emissions(kind: type, priors: np.ndarray, frames: Sequence[Gaussian]) -> Em
 
 def _in_order(start: Emissions, views: list[np.ndarray], lengths: list[int]) -> Emissions:
     """The same mixture with its components ordered by their mean time."""
-    h = start.responsibilities(views if isinstance(start, TPGMM) else views[0])
+    if isinstance(start, TPGMM):
+        h = start.responsibilities(views)
+    else:
+        h = start.responsibilities(views[0])
     progress = np.concatenate([np.linspace(0.0, 1.0, length) for length in lengths])
     order = np.argsort(progress @ h / h.sum(0), kind="stable")
     frames = [gaussian[order] for gaussian in _frames(start)]
     return _emissions(type(start), start.priors[order], frames)
-
-
-def _steps(steps: int) -> int:
-    if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or steps < 1:
-        raise ArgumentError(f"steps is {steps!r}; give a whole number >= 1")
-    return int(steps)

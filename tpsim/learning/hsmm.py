@@ -4,9 +4,7 @@ After S.-Z. Yu, "Hidden semi-Markov models", Artificial Intelligence 174, 2010; 
 demo_trajHSMM01.
 """
 
-import numpy as np
-
-from tpsim.errors import ArgumentError
+from tpsim.checks import Seed, number
 from tpsim.learning.fit import Start
 from tpsim.learning.hmm import Emissions, HiddenStates, Sequences, fit_states
 from tpsim.learning.semi_markov import SemiMarkovChain
@@ -45,7 +43,7 @@ def fit_hsmm(
     ridge: float | None = None,
     tolerance: float = 1e-5,
     max_iterations: int = 100,
-    rng: np.random.Generator | None = None,
+    rng: Seed = None,
 ) -> HSMM:
     """Fit a hidden semi-Markov model by EM over all segmentations of the sequences.
 
@@ -80,8 +78,7 @@ def fit_hsmm(
     to their variance: here every demonstration is its own sequence, durations are re-estimated
     by EM from all segmentations, and ``duration_spread`` is the only floor.
     """
-    if not (np.isfinite(duration_spread) and duration_spread >= 0):
-        raise ArgumentError(f"duration_spread is {duration_spread}; give a finite number >= 0")
+    duration_spread = number("duration_spread", duration_spread, least=0)
 
     def chain_of(components: int, topology: str, stay: float) -> SemiMarkovChain:
         return SemiMarkovChain.of(components, topology, stay, duration_spread)

@@ -1,15 +1,15 @@
 """Learning on: new demonstrations for a TP-GMM whose old data are gone (Sections 3 and 9)."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
+from tpsim.checks import bound, instance, number, whole
 from tpsim.errors import ArgumentError
-from tpsim.learning.em import Mixture, likeliest, maximise, project, regularisation
-from tpsim.learning.fit import Views, views_of
+from tpsim.learning.em import Limits, Mixture, likeliest, maximise, project, regularisation
+from tpsim.learning.fit import Views, seen_by_frames
 from tpsim.learning.moments import Memory
-from tpsim.learning.regularisation import Regularisation
-from tpsim.learning.start import clusters, split_in_time, time_of
+from tpsim.learning.start import clusters, split_in_time
 from tpsim.learning.statistics import Components, Samples
 from tpsim.learning.tp_gmm import TPGMM
 
@@ -58,37 +58,39 @@ def update_tp_gmm(
     ArgumentError
         A model without memory, or views that do not fit it.
     """
-    views, lengths = views_of(demonstrations)
-    _check(model, views, retention)
-    samples = Samples(views, model.memory.times(retention))
-    memory = samples.remembered(time_of(views, lengths), lengths)
-    limits = regularisation(samples, ridge)
-    starts = _starts(model, samples, memory, limits)
-    mixture, history = likeliest(
-        samples, starts, model.structure, limits, tolerance, max_iterations
-    )
+    seen = seen_by_frames(demonstrations)
+    retention = number("retention", retention, above=0)
+    bound("tolerance", tolerance)
+    whole("max_iterations", max_iterations)
+    samples = Samples(seen.views, _memory_of(model, seen.views).times(retention))
+    memory = samples.remembered(seen.time(), seen.lengths)
+    starts = _starts(model, samples, memory, ridge)
+    mixture, history = likeliest(samples, starts, model.structure, tolerance, max_iterations)
     count = round(memory.moments.weight.sum())
     return TPGMM(mixture.priors, mixture.frames(samples), history, count, model.structure, memory)
 
 
 def _starts(
-    model: TPGMM, samples: Samples, memory: Memory, limits: Sequence[Regularisation]
-) -> Iterator[Mixture]:
+    model: TPGMM, samples: Samples, memory: Memory, ridge: float | None
+) -> Iterator[tuple[Mixture, Limits]]:
     """Begin from the model, from the model grown wider, and anew as a first fit does.
 
     What was learned from few demonstrations is narrower than what the next ones show.
     """
     current = Mixture.of(np.maximum(model.priors, 1e-300), model.frames, samples)
+    _, parts = samples.expectation(current.priors, current.components)
+    limits = regularisation(samples, ridge, parts)
     total = samples.total().scatter
     for share in (0.0, WIDER):
         components = tuple(
             Components(part.mean, part.covariance + share * all_)
             for part, all_ in zip(current.components, total, strict=True)
         )
-        yield project(Mixture(current.priors, components), model.structure, limits)
+        yield project(Mixture(current.priors, components), model.structure, limits), limits
     for labels in _labellings(memory, model.components):
         moments = memory.moments.pooled(labels, model.components)
-        yield maximise(moments, None, model.structure, limits)
+        limits = regularisation(samples, ridge, moments)
+        yield maximise(moments, None, model.structure, limits), limits
 
 
 def _labellings(memory: Memory, components: int) -> Iterator[np.ndarray]:
@@ -98,13 +100,14 @@ def _labellings(memory: Memory, components: int) -> Iterator[np.ndarray]:
     yield clusters(views, components, np.random.default_rng(0))
 
 
-def _check(model: TPGMM, views: list[np.ndarray], retention: float) -> None:
-    if model.memory is None:
+def _memory_of(model: TPGMM, views: list[np.ndarray]) -> Memory:
+    """What the model remembers, after comparing the new data with it."""
+    memory = instance("model", model, TPGMM).memory
+    if memory is None:
         raise ArgumentError("the model has no memory of its samples; fit it with fit_tp_gmm")
     dims = tuple(view.shape[1] for view in views)
     if dims != model.dims:
         raise ArgumentError(
             f"the new data have views of dimensions {dims}; the model's frames have {model.dims}"
         )
-    if not (np.isfinite(retention) and retention > 0):
-        raise ArgumentError(f"retention is {retention}; it must be a number above 0")
+    return memory

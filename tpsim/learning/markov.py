@@ -10,13 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tpsim.archive import Part
+from tpsim.checks import frozen_array
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import finite_array
 from tpsim.learning.gmm import checked_priors, posterior
 
 
 @dataclass(frozen=True, eq=False)
-class MarkovChain:
+class MarkovChain(Part):
     """States that follow each other step by step: the stay in a state is geometric.
 
     Parameters
@@ -35,7 +36,7 @@ class MarkovChain:
     initial: np.ndarray
     transitions: np.ndarray
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "initial", checked_priors(self.initial))
         rows = checked_transitions(self.transitions, len(self.initial))
         if (rows.sum(1) == 0).any():
@@ -158,7 +159,7 @@ def first_states(components: int, topology: str) -> np.ndarray:
 
 def checked_transitions(transitions: np.ndarray, components: int) -> np.ndarray:
     """Transitions (K, K) whose rows sum to one or are zero, or an ArgumentError."""
-    transitions = finite_array("transitions", transitions)
+    transitions = frozen_array("transitions", transitions)
     if transitions.shape != (components, components):
         raise ArgumentError(
             f"transitions have shape {transitions.shape}; with {components} initial "

@@ -4,13 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tpsim.archive import Part
 from tpsim.learning.start import clusters
 
 CAPACITY = 1024  # runs of samples that a model remembers
 
 
 @dataclass(frozen=True, eq=False)
-class Moments:
+class Moments(Part):
     """Weight, mean and scatter of K groups of samples, in frames grouped by dimension.
 
     Parameters
@@ -44,7 +45,7 @@ class Moments:
 
 
 @dataclass(frozen=True, eq=False)
-class Memory:
+class Memory(Part):
     """Short runs of successive samples, of which only moments are kept.
 
     Parameters
@@ -73,24 +74,3 @@ class Memory:
         weight = self.moments.weight
         time = np.bincount(labels, weight * self.time) / np.bincount(labels, weight)
         return Memory(self.moments.pooled(labels, len(time)), time)
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """Named arrays for an archive."""
-        named = {"memory_time": self.time, "memory_weight": self.moments.weight}
-        parts = zip(self.moments.mean, self.moments.scatter, strict=True)
-        for g, (mean, scatter) in enumerate(parts):
-            named |= {f"memory_mean_{g}": mean, f"memory_scatter_{g}": scatter}
-        return named
-
-    @classmethod
-    def of_arrays(cls, arrays: dict[str, np.ndarray]) -> "Memory | None":
-        """Memory from :meth:`arrays`, None where an archive has none."""
-        if "memory_time" not in arrays:
-            return None
-        groups = range(sum(name.startswith("memory_mean_") for name in arrays))
-        moments = Moments(
-            arrays["memory_weight"],
-            tuple(arrays[f"memory_mean_{g}"] for g in groups),
-            tuple(arrays[f"memory_scatter_{g}"] for g in groups),
-        )
-        return cls(moments, arrays["memory_time"])

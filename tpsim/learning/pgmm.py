@@ -6,20 +6,33 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.archive import Stored
+from tpsim.checks import (
+    Seed,
+    bound,
+    entries,
+    finite_array,
+    frozen_array,
+    matrix,
+    number,
+    several,
+    whole,
+)
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
-from tpsim.gaussian import Gaussian, finite_array, symmetric
-from tpsim.learning.em import EMPTY, regularisation
+from tpsim.gaussian import Gaussian, symmetric
+from tpsim.learning.em import EMPTY, Mixture, project, regularisation
 from tpsim.learning.fit import Start
 from tpsim.learning.gmm import GMM, checked_priors, fit_gmm, log_priors, log_sum, posterior
 from tpsim.learning.regularisation import Regularisation
+from tpsim.learning.start import RESOLUTION
 from tpsim.learning.statistics import Samples
 from tpsim.learning.subspace import Full
 
 
 @dataclass(frozen=True, eq=False)
-class PGMM:
+class PGMM(Stored):
     """Parametric Gaussian mixture model: mu_i = Z_i [Q; 1], Eq. (48).
 
     Parameters
@@ -44,16 +57,22 @@ class PGMM:
     covariance: np.ndarray
     history: np.ndarray = field(default_factory=lambda: np.empty(0))
 
-    def __post_init__(self):
-        priors, maps = checked_priors(self.priors), finite_array("maps", self.maps)
-        covariance = finite_array("covariance", self.covariance)
+    def __post_init__(self) -> None:
+        priors, maps = checked_priors(self.priors), frozen_array("maps", self.maps)
+        covariance = frozen_array("covariance", self.covariance)
         K, D = len(priors), maps.shape[1] if maps.ndim == 3 else 0
         if maps.ndim != 3 or len(maps) != K or covariance.shape != (K, D, D):
             raise ArgumentError(
                 f"maps have shape {maps.shape} and covariance {covariance.shape}; with {K} "
                 f"priors they must be ({K}, D, q + 1) and ({K}, D, D)"
             )
-        for name, value in (("priors", priors), ("maps", maps), ("covariance", covariance)):
+        history = frozen_array("history", self.history)
+        for name, value in (
+            ("priors", priors),
+            ("maps", maps),
+            ("covariance", Gaussian(np.zeros((K, D)), covariance).covariance),
+            ("history", history),
+        ):
             object.__setattr__(self, name, value)
 
     @property
@@ -93,13 +112,17 @@ class PGMM:
         return posterior(self._log_joint(data, parameters))
 
     def _log_joint(self, data: ArrayLike, parameters: ArrayLike) -> np.ndarray:
-        residual = finite_array("data", data)[..., None, :] - self.adapt(parameters).gaussians.mean
+        rows = matrix("data", data, self.maps.shape[1])
+        residual = rows[:, None] - self.adapt(parameters).gaussians.mean
         noise = Gaussian(np.zeros(self.maps.shape[:2]), self.covariance)
         return log_priors(self.priors) + noise.log_density(residual)
 
 
 def task_vector(frames: Sequence[Frame]) -> np.ndarray:
     """Task parameters Q (..., q) of frames: offsets and columns of all matrices, Section 8.2."""
+    frames = several("frames", frames, Frame)
+    if not frames:
+        raise ArgumentError("no frames were given; task parameters need at least one")
     parts = [
         part
         for frame in frames
@@ -120,7 +143,7 @@ def fit_pgmm(
     task_ridge: float | None = None,
     tolerance: float = 1e-5,
     max_iterations: int = 100,
-    rng: np.random.Generator | None = None,
+    rng: Seed = None,
 ) -> PGMM:
     """Fit a parametric GMM by expectation-maximisation, Eqs (76-80).
 
@@ -160,21 +183,33 @@ def fit_pgmm(
     included, and to the numerator of Eq. (79), which is then divided by the component's mass;
     ours adds nothing to the former and regularises the covariance itself.
     """
-    if task_ridge is not None and not (np.isfinite(task_ridge) and task_ridge >= 0):
-        raise ArgumentError(f"task_ridge is {task_ridge}; give a finite number >= 0, or None")
-    sequences, Q = _checked(list(sequences), parameters)
+    if task_ridge is not None:
+        task_ridge = number("task_ridge", task_ridge, least=0)
+    bound("tolerance", tolerance)
+    whole("max_iterations", max_iterations)
+    single = isinstance(sequences, Demonstration)
+    given: list[object] = [sequences] if single else entries("sequences", sequences)
+    arrays, Q = _checked(given, parameters)
     if not isinstance(start, GMM):
-        start = fit_gmm(sequences, components, start=start, ridge=ridge, rng=rng)
-    data = np.concatenate(sequences)
+        start = fit_gmm(arrays, components, start=start, ridge=ridge, rng=rng)
+    data = np.concatenate(arrays)
     if start.gaussians.mean.shape != (components, data.shape[1]):
         raise ArgumentError(
             f"start has means of shape {start.gaussians.mean.shape}; components and sequences "
             f"ask for {(components, data.shape[1])}"
         )
-    limit = regularisation(Samples([data]), ridge)[0]
+    origin = data.mean(0)  # far from zero, the moments below would lose their digits
+    data = data - origin
+    samples = Samples([data])
+    start = GMM(start.priors, Gaussian(start.gaussians.mean - origin, start.gaussians.covariance))
+    begun = Mixture.of(np.maximum(start.priors, EMPTY), [start.gaussians], samples)
+    _, parts = samples.expectation(begun.priors, begun.components)
+    limit = regularisation(samples, ridge, parts)[0]
+    start = GMM(start.priors, project(begun, Full(), [limit]).frames(samples)[0])
     centre, scale = _standard(Q) if task_ridge is None else (np.zeros(Q.shape[1]), 1.0)
     Q = (Q - centre) / scale
-    model, history = _at_rest(start, Q.shape[1]), []
+    model = _at_rest(start, Q.shape[1])
+    history: list[float] = []
     while True:
         joint = model._log_joint(data, Q)
         history.append(log_sum(joint).mean())
@@ -183,7 +218,7 @@ def fit_pgmm(
             break
         model = _maximised(model, data, Q, posterior(joint), limit, task_ridge or 0.0)
     slopes = model.maps[..., :-1] / scale
-    offsets = model.maps[..., -1] - slopes @ centre
+    offsets = model.maps[..., -1] - slopes @ centre + origin
     maps = np.concatenate([slopes, offsets[..., None]], axis=-1)
     return PGMM(model.priors, maps, model.covariance, np.array(history))
 
@@ -218,18 +253,24 @@ def _at_rest(start: GMM, parameters: int) -> PGMM:
     return PGMM(start.priors, maps, start.gaussians.covariance)
 
 
-def _checked(sequences: list, parameters) -> tuple[list[np.ndarray], np.ndarray]:
+def _checked(
+    sequences: list[object], given_parameters: object
+) -> tuple[list[np.ndarray], np.ndarray]:
     """Sequences as arrays, and task parameters (N, q) of every sample."""
-    if parameters is None:
-        if not all(isinstance(s, Demonstration) and s.frames for s in sequences):
+    if given_parameters is None:
+        framed = [s for s in sequences if isinstance(s, Demonstration) and s.frames]
+        if len(framed) < len(sequences):
             raise ArgumentError("without parameters, give demonstrations with frames")
-        parameters = [task_vector(sequence.frames) for sequence in sequences]
-    data = [s.data if isinstance(s, Demonstration) else s for s in sequences]
-    data = [finite_array("sequences", one) for one in data]
+        given_parameters = [task_vector(demonstration.frames) for demonstration in framed]
+    raw = [s.data if isinstance(s, Demonstration) else s for s in sequences]
+    data = [finite_array(f"sequences[{m}]", one) for m, one in enumerate(raw)]
     shapes = [one.shape for one in data]
     if not shapes or any(len(s) != 2 or 0 in s or s[1] != shapes[0][1] for s in shapes):
         raise ArgumentError(f"sequences have shapes {shapes}; give (T_m, D) of one D, none empty")
-    parameters = [finite_array("parameters", one) for one in parameters]
+    parameters = [
+        finite_array(f"parameters[{m}]", one)
+        for m, one in enumerate(entries("parameters", given_parameters, tables=False))
+    ]
     given = [q.shape for q in parameters]
     allowed = [(q[-1:], (shape[0], *q[-1:])) for q, shape in zip(given, shapes, strict=False)]
     one_each = len(given) == len(data) and len({q[-1:] for q in given}) == 1 and given[0]
@@ -244,9 +285,9 @@ def _checked(sequences: list, parameters) -> tuple[list[np.ndarray], np.ndarray]
 
 
 def _standard(Q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and standard deviation of the columns; one where a column is constant."""
+    """Mean and standard deviation of the columns; without limit where a column is constant."""
     centre, scale = Q.mean(0), Q.std(0)
-    return centre, np.where(scale > 1e-12 * np.abs(Q).max(0), scale, 1.0)
+    return centre, np.where(scale > RESOLUTION * np.abs(Q).max(0), scale, np.inf)
 
 
 def _with_one(Q: np.ndarray) -> np.ndarray:

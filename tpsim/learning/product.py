@@ -4,10 +4,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from tpsim.checks import LARGEST, number
 from tpsim.errors import ArgumentError
-from tpsim.frame import Frame, pseudoinverse
+from tpsim.frame import Frame, plain_inverse, pseudoinverse
 from tpsim.gaussian import Gaussian, add_ridge, inverse_spd, symmetric
 
+_ZERO = np.zeros(1)
 UNSEEN = 1e-8  # relative length below which a direction counts as seen by no frame
 
 Stack = Callable[[tuple[int, ...]], tuple[np.ndarray, np.ndarray]]
@@ -22,34 +24,57 @@ def product_of_frames(
     ``prior`` is one more factor, in common coordinates; without it every direction must be seen
     by some frame.
     """
-    precision = information = 0.0
-    maps = []
-    for group in _alike(frames):
-        A = np.array([frames[j].A for j in group])
-        b = np.array([frames[j].b for j in group])
-        inverse = pseudoinverse(A)
+    precisions, informations = [], []
+    maps: list[tuple[np.ndarray, np.ndarray]] = []
+    origin, determined = _ZERO, False
+    for group, members in _alike(frames):
+        A = np.array([frame.A for frame in members])
+        b = np.array([frame.b for frame in members])
+        inverse = plain_inverse(A)
+        determined |= inverse is not None
+        if inverse is None:
+            inverse = pseudoinverse(A)
+        means, inverses = stack(group)
+        if not maps:  # a point near the result: far from zero, sums would lose their digits
+            origin = _near(members[0], means[0, 0])
         maps.append((A, inverse))
-        mean, local = (_with_leading(part, A.ndim - 3) for part in stack(group))
+        mean, local = (_with_leading(part, A.ndim - 3) for part in (means, inverses))
         weighted = inverse.mT[..., None, :, :] @ local
-        precision = precision + (weighted @ inverse[..., None, :, :]).sum(0)
-        target = mean + np.matmul(inverse, b[..., None]).mT
-        information = information + (weighted @ target[..., None]).sum(0)
+        precisions.append((weighted @ inverse[..., None, :, :]).sum(0))
+        target = mean + np.matmul(inverse, (b - origin)[..., None]).mT
+        informations.append((weighted @ target[..., None]).sum(0))
     if prior is not None:
-        precision = precision + prior.precision
-        information = information + prior.precision @ prior.mean[..., None]
-    elif not any(_determines(A, inverse) for A, inverse in maps):
+        precisions.append(prior.precision)
+        informations.append(prior.precision @ (prior.mean - origin)[..., None])
+    elif not determined and not any(_determines(A, inverse) for A, inverse in maps):
         _check_all_seen([inverse for _, inverse in maps])
-    covariance = inverse_spd(precision, "sum of the frames' precisions")
-    return Gaussian.trusted((covariance @ information)[..., 0], covariance)
+    covariance = inverse_spd(_sum(precisions), "sum of the frames' precisions")
+    return Gaussian.trusted((covariance @ _sum(informations))[..., 0] + origin, covariance)
+
+
+def _sum(parts: list[np.ndarray]) -> np.ndarray:
+    total = parts[0]
+    for part in parts[1:]:
+        total = total + part
+    return total
+
+
+def _near(frame: Frame, mean: np.ndarray) -> np.ndarray:
+    """Where a mean (d,) lies in common coordinates, (D,); at the first step of a moving frame."""
+    A, b = frame.A, frame.b
+    if b.ndim > 1:
+        first = (0,) * (b.ndim - 1)
+        A, b = A[first], b[first]
+    near = A @ mean + b
+    return near if all(-LARGEST < x < LARGEST for x in near.tolist()) else _ZERO
 
 
 def product_with_ridge(
     local: Sequence[Gaussian], frames: Sequence[Frame | None], ridge: float, prior: Gaussian | None
 ) -> Gaussian:
     """Gaussians (..., K, D) from every A Sigma A' + rho I, as the tutorial's own code has it."""
-    if not (np.isfinite(ridge) and ridge > 0):
-        raise ArgumentError(f"ridge is {ridge}; it must be a positive number, or None")
-    precision = information = 0.0
+    ridge = number("ridge", ridge, above=0)
+    precision, information = _ZERO, _ZERO
     factors = [
         (
             (frame.A[..., None, :, :] @ gaussian.mean[..., None]) + frame.b[..., None, :, None],
@@ -60,24 +85,27 @@ def product_with_ridge(
     ]
     if prior is not None:
         factors.append((prior.mean[..., None], prior.covariance))
+    origin = factors[0][0].reshape(-1, factors[0][0].shape[-2], 1)[0]
     for mean, covariance in factors:
         more = inverse_spd(covariance, "covariance in a frame")
-        precision, information = precision + more, information + more @ mean
+        precision, information = precision + more, information + more @ (mean - origin)
     covariance = inverse_spd(precision, "sum of the frames' precisions")
-    return Gaussian.trusted((covariance @ information)[..., 0], covariance)
+    return Gaussian.trusted((covariance @ information + origin)[..., 0], covariance)
 
 
 def _congruence(A: np.ndarray, Sigma: np.ndarray) -> np.ndarray:
     return symmetric(A @ Sigma @ A.mT)
 
 
-def _alike(frames: Sequence[Frame | None]) -> list[tuple[int, ...]]:
-    """Frames that are observed, those with matrices of the same shape together."""
-    groups: dict[tuple, list[int]] = {}
+def _alike(frames: Sequence[Frame | None]) -> list[tuple[tuple[int, ...], list[Frame]]]:
+    """Frames that are observed, by number, those with matrices of the same shape together."""
+    groups: dict[tuple[int, ...], tuple[list[int], list[Frame]]] = {}
     for j, frame in enumerate(frames):
         if frame is not None:
-            groups.setdefault(frame.A.shape, []).append(j)
-    return [tuple(group) for group in groups.values()]
+            numbers, members = groups.setdefault(frame.A.shape, ([], []))
+            numbers.append(j)
+            members.append(frame)
+    return [(tuple(numbers), members) for numbers, members in groups.values()]
 
 
 def _with_leading(part: np.ndarray, axes: int) -> np.ndarray:

@@ -5,14 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tpsim.checks import Seed, dimensions, generator, instance, number, own, several, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
+from tpsim.gaussian import Dimensions
 from tpsim.learning.tp_gmm import TPGMM
+from tpsim.timeline import phase, weights
 
 
 def frame_shares(
-    model: TPGMM, frames: Sequence[Frame], dims: Sequence[int] | None = None
+    model: TPGMM, frames: Sequence[Frame], dims: Dimensions | None = None
 ) -> np.ndarray:
     """Share of every frame in the precision of every component, (..., K, P).
 
@@ -35,30 +38,34 @@ def frame_shares(
     ArgumentError
         As many frames as the model has, of its dimensions, are asked for.
     """
+    frames = several("frames", frames, Frame)
+    instance("model", model, TPGMM)
     expected = [(gaussian.dim, frames[0].dim) for gaussian in model.frames] if frames else []
     given = [(frame.local_dim, frame.dim) for frame in frames]
     if not given or given != expected:
         raise ArgumentError(
             f"frames have (d, D) = {given}; the model asks for d = {list(model.dims)} and one D"
         )
-    dims = np.arange(frames[0].dim) if dims is None else np.asarray(dims)
+    D = frames[0].dim
+    kept = dimensions("dims", np.arange(D) if dims is None else dims, D)
     precisions = []
     for frame, gaussian in zip(frames, model.frames, strict=True):
         inverse = frame.inverse[..., None, :, :]
-        precisions.append((inverse.mT @ gaussian.precision @ inverse)[..., dims[:, None], dims])
+        precisions.append((inverse.mT @ gaussian.precision @ inverse)[..., kept[:, None], kept])
     covariance = np.linalg.pinv(sum(precisions), rcond=1e-12, hermitian=True)
     shares = [np.einsum("...ab,...ba->...", covariance, part) for part in precisions]
-    return np.stack(np.broadcast_arrays(*shares), axis=-1) / len(dims)
+    return np.stack(np.broadcast_arrays(*shares), axis=-1) / len(kept)
 
 
 def frame_relevance(
-    model: TPGMM, demonstration: Demonstration, dims: Sequence[int] | None = None
+    model: TPGMM, demonstration: Demonstration, dims: Dimensions | None = None
 ) -> np.ndarray:
     """Share of every frame over the time of a demonstration, (T, P).
 
     The shares of :func:`frame_shares`, averaged over components by their responsibilities,
     Eq. (49).
     """
+    instance("demonstration", demonstration, Demonstration)
     shares = frame_shares(model, demonstration.frames, dims)
     h = model.responsibilities([demonstration])
     return (h[:, None, :] @ shares)[:, 0]
@@ -71,7 +78,7 @@ class FrameReport:
     Parameters
     ----------
     mean : (P,)
-        Mean share over all samples.
+        Mean share over the time of all demonstrations.
     peak : (P,)
         Largest share at any time of any demonstration.
     peak_progress : (P,)
@@ -91,6 +98,9 @@ class FrameReport:
     chance: np.ndarray
     tested: np.ndarray
     significance: float
+
+    def __post_init__(self) -> None:
+        own(self, "mean", "peak", "peak_progress", "chance", "tested")
 
     @property
     def never(self) -> tuple[int, ...]:
@@ -121,10 +131,10 @@ def frame_report(
     model: TPGMM,
     demonstrations: Sequence[Demonstration],
     *,
-    dims: Sequence[int] | None = None,
+    dims: Dimensions | None = None,
     significance: float = 0.05,
     draws: int = 400,
-    rng: np.random.Generator | None = None,
+    rng: Seed = None,
 ) -> FrameReport:
     """Report which frames matter, when most, and which never do (Section 9).
 
@@ -155,24 +165,26 @@ def frame_report(
     ArgumentError
         No demonstrations, frames other than the model's, or options outside their range.
     """
-    demonstrations = list(demonstrations)
-    if not demonstrations or not 0 < significance < 1 or draws < 1:
-        raise ArgumentError(
-            f"{len(demonstrations)} demonstrations, significance {significance}, {draws} draws; "
-            "give at least one demonstration, 0 < significance < 1 and at least one draw"
-        )
-    shares = [frame_relevance(model, demonstration, dims) for demonstration in demonstrations]
-    progress = np.concatenate([np.linspace(0, 1, len(share)) for share in shares])
-    shares = np.concatenate(shares)
-    rng = np.random.default_rng(0) if rng is None else rng
+    demonstrations = several("demonstrations", demonstrations, Demonstration)
+    if not demonstrations:
+        raise ArgumentError("no demonstrations were given; give at least one demonstration")
+    number("significance", significance, above=0, below=1)
+    draws, random = whole("draws", draws, least=1), generator("rng", rng, 0)
+    shares = np.concatenate([frame_relevance(model, one, dims) for one in demonstrations])
+    progress = np.concatenate([phase(one.time) for one in demonstrations])
+    durations = np.array([max(float(np.ptp(one.time)), 1e-300) for one in demonstrations])
+    durations /= durations.sum()
+    lasting = np.concatenate(
+        [share * weights(d.time) for share, d in zip(durations, demonstrations, strict=True)]
+    )
     count = len(demonstrations)
-    exchanges = np.array([np.arange(count), *(rng.permutation(count) for _ in range(draws))])
+    exchanges = np.array([np.arange(count), *(random.permutation(count) for _ in range(draws))])
     chances = [
         _chance(demonstrations, j, model.components, exchanges) for j in range(shares.shape[1])
     ]
     tested = np.array([chance is not None for chance in chances])
     return FrameReport(
-        shares.mean(0),
+        lasting @ shares,
         shares.max(0),
         progress[shares.argmax(0)],
         np.array([1.0 if chance is None else chance for chance in chances]),
@@ -205,20 +217,23 @@ def _chance(
 def _moments(one: Demonstration, other: Demonstration, j: int, spans: int) -> np.ndarray:
     """Sums of [1, x] [1, x]' per span of progress, x being one's data in the other's frame j."""
     frame = other.frames[j]
-    if frame.shape and len(other) != len(one):
-        frame = other.resampled(len(one)).frames[j]
+    done = phase(one.time)
+    if frame.shape and other is not one:
+        at = other.time[0] + done * (other.time[-1] - other.time[0])
+        frame = other.resampled(np.minimum(at, other.time[-1])).frames[j]
     x = frame.to_local(one.data)
     x = np.column_stack([np.ones(len(x)), x])
-    span = np.arange(len(x)) * spans // len(x)
-    return (np.eye(spans)[:, span, None] * x).mT @ x
+    span = np.minimum((done * spans).astype(int), spans - 1)
+    return (np.eye(spans)[:, span, None] * (weights(one.time)[:, None] * x)).mT @ x
 
 
 def _log_volumes(moments: np.ndarray, exchanges: np.ndarray) -> np.ndarray:
     """Log determinant of every span's covariance after every exchange, (draws + 1, spans)."""
     total = moments[np.arange(len(moments)), exchanges].sum(1)
-    total = total / np.maximum(total[..., :1, :1], 1.0)
+    total = total / np.maximum(total[..., :1, :1], 1e-300)
     mean = total[..., 0, 1:]
     covariance = total[..., 1:, 1:] - mean[..., :, None] * mean[..., None, :]
-    # What does not vary at all must not decide: a millionth of the frame's own spread.
-    ridge = 1e-6 * np.trace(covariance.mean((0, 1))) / mean.shape[-1]
+    # What does not vary at all must not decide: a millionth of each variable's own spread.
+    spread = np.diagonal(covariance.mean((0, 1)))
+    ridge = 1e-6 * np.where(spread > 0, spread, spread.max())
     return np.linalg.slogdet(covariance + ridge * np.eye(mean.shape[-1]))[1]

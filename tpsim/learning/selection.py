@@ -6,15 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.archive import Part
+from tpsim.checks import choice, entries, is_table, matrix, number, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import finite_array
 from tpsim.learning.em import maximise, regularisation
+from tpsim.learning.fit import seen_as_data, seen_by_frames
 from tpsim.learning.gmm import GMM
 from tpsim.learning.start import kmeans, standardised
 from tpsim.learning.statistics import Samples
-from tpsim.learning.subspace import Full, Structure
-from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm, views_of
+from tpsim.learning.subspace import Full, Structure, structure_of
+from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 
 
 def bic(model, *data) -> float:
@@ -27,14 +29,23 @@ def bic(model, *data) -> float:
     *data
         What ``model.log_likelihood`` takes.
     """
-    log_likelihood = model.log_likelihood(*data)
+    log_likelihood = _log_likelihood(model, data)
     return _bic(log_likelihood.sum(), model.free_parameters, log_likelihood.size)
 
 
 def aic(model, *data) -> float:
     """Akaike information criterion, 2 p - 2 log L; lower is better. Arguments as in :func:`bic`."""
-    log_likelihood = model.log_likelihood(*data)
+    log_likelihood = _log_likelihood(model, data)
     return _aic(log_likelihood.sum(), model.free_parameters, log_likelihood.size)
+
+
+def _log_likelihood(model, data: tuple) -> np.ndarray:
+    if not hasattr(model, "log_likelihood") or not hasattr(model, "free_parameters"):
+        raise ArgumentError(f"model is a {type(model).__name__}; give a GMM, TPGMM or PGMM")
+    found = np.asarray(model.log_likelihood(*data))
+    if found.size == 0:
+        raise ArgumentError("no samples were given; a criterion needs at least one")
+    return found
 
 
 def _bic(log_likelihood: float, parameters: int, samples: int) -> float:
@@ -132,14 +143,17 @@ def select_model(
     densely it appears to hold twice as much information, and K comes out larger. Compare at the
     sampling rate at which the model will be used.
     """
-    if criterion not in _CRITERIA:
-        raise ArgumentError(f"criterion is {criterion!r}; give 'bic' or 'aic'")
-    components, covariances = list(components), list(covariances)
-    if not components or not covariances:
+    choice("criterion", criterion, _CRITERIA)
+    counts = [components] if isinstance(components, int) else entries("components", components)
+    single = isinstance(covariances, str | Part)
+    structures = [covariances] if single else entries("covariances", covariances)
+    if not counts or not structures:
         raise ArgumentError("nothing to try; give at least one K and one covariance structure")
     tried = []
-    for covariance in covariances:
-        for K in components:
+    for one in structures:
+        covariance = one if isinstance(one, str) else structure_of(one)
+        for count in counts:
+            K = whole("components", count, least=1)
             model = fit(data, K, covariance=covariance, **options)
             total = float(model.history[-1] * model.samples)
             score = _CRITERIA[criterion](total, model.free_parameters, model.samples)
@@ -172,12 +186,8 @@ def dp_means(points: ArrayLike, radius: float = 1.0) -> np.ndarray:
     ArgumentError
         Points that are not a finite (N, D) array, or a radius that is not positive.
     """
-    points = finite_array("points", points)
-    if points.ndim != 2 or 0 in points.shape:
-        raise ArgumentError(f"points have shape {points.shape}; give (N, D), N and D >= 1")
-    if not radius > 0:
-        raise ArgumentError(f"radius is {radius}; give a positive number of standard deviations")
-    points = standardised([points])
+    radius = number("radius", radius, above=0)
+    points = standardised([matrix("points", points)])
     centres = points.mean(0, keepdims=True)
     while True:
         labels, centres = kmeans(points, centres)
@@ -209,12 +219,12 @@ def dp_means_start(
     GMM or TPGMM
         As in ``start = dp_means_start(demos); fit_tp_gmm(demos, start.components, start=start)``.
     """
-    plain = isinstance(data, np.ndarray) and data.ndim == 2
-    views = [finite_array("data", data)] if plain else views_of(data)[0]
+    plain = is_table("data", data)
+    views = (seen_as_data(data) if plain else seen_by_frames(data)).views
     labels = dp_means(np.hstack(views), radius)
     samples = Samples(views)
     one_hot = (labels[:, None] == np.arange(labels.max() + 1)).astype(float)
-    limits = regularisation(samples, ridge)
-    mixture = maximise(samples.moments(one_hot), None, Full(), limits)
+    parts = samples.moments(one_hot)
+    mixture = maximise(parts, None, Full(), regularisation(samples, ridge, parts))
     frames = mixture.frames(samples)
     return GMM(mixture.priors, frames[0]) if plain else TPGMM(mixture.priors, frames)

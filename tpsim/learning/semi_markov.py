@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tpsim.archive import Part
+from tpsim.checks import instance, number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.gmm import checked_priors, posterior
@@ -29,7 +31,7 @@ from tpsim.learning.segments import (
 
 
 @dataclass(frozen=True, eq=False)
-class SemiMarkovChain:
+class SemiMarkovChain(Part):
     """States that follow each other after stays of Gaussian duration.
 
     Parameters
@@ -56,7 +58,9 @@ class SemiMarkovChain:
     durations: Gaussian
     least_variance: float = 1.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
+        instance("durations", self.durations, Gaussian)
+        number("least_variance", self.least_variance, least=0)
         object.__setattr__(self, "initial", checked_priors(self.initial))
         rows = checked_transitions(self.transitions, len(self.initial))
         object.__setattr__(self, "transitions", rows)
@@ -106,6 +110,7 @@ class SemiMarkovChain:
 
     def maximised(self, found: Expectation) -> "SemiMarkovChain":
         """M-step: a chain that explains what the E-step found better."""
+        assert found.stays is not None  # a semi-Markov E-step counts them
         count, total, squared = found.stays
         safe = np.maximum(count, 1e-10)
         mean = total / safe
@@ -139,7 +144,8 @@ class SemiMarkovChain:
     def sample(self, steps: int, rng: np.random.Generator) -> np.ndarray:
         """Draw states (steps,); the last stay may be cut short."""
         durations = np.exp(self.log_durations(steps)[0])
-        states, state = [], draw(self.initial, rng)
+        states: list[int] = []
+        state = draw(self.initial, rng)
         while len(states) < steps:
             if not self.transitions[state].any():
                 states += [state] * (steps - len(states))

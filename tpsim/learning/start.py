@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.checks import finite_array
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import finite_array
+from tpsim.timeline import progress
 
 RESOLUTION = 1e-10  # of the size of a column: a spread below this is rounding
 
@@ -23,9 +24,12 @@ def split_in_time(time: np.ndarray, components: int) -> np.ndarray:
 
 
 def time_of(
-    views: Sequence[np.ndarray], lengths: Sequence[int], time: ArrayLike | None = None
+    views: Sequence[np.ndarray],
+    lengths: Sequence[int],
+    time: ArrayLike | None = None,
+    stamps: Sequence[np.ndarray] | None = None,
 ) -> np.ndarray:
-    """Time of every sample, 0 to 1: as given, a first column of all frames, or progress."""
+    """Time of every sample, 0 to 1: as given, by the stamps, a first column, or the rows."""
     if time is not None:
         time = finite_array("time", time)
         if time.shape != (len(views[0]),):
@@ -33,6 +37,8 @@ def time_of(
                 f"time has shape {time.shape}; it needs one number per sample, N = {len(views[0])}"
             )
         return _unit_range(time)
+    if stamps is not None:
+        return np.concatenate([progress(one) for one in stamps])
     if len(lengths) == 1:
         column = views[0][:, 0]
         steady = abs(np.sign(np.diff(column)).mean()) > 0.8

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tpsim.checks import LARGEST
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import LOG_2PI, cholesky
 from tpsim.learning.moments import CAPACITY, Memory, Moments
@@ -19,7 +20,6 @@ from tpsim.learning.start import RESOLUTION
 
 CACHE_BYTES = 2**28  # features are kept up to this size, else made anew in every pass
 BLOCK_BYTES = 2**20  # one block of samples at a time: what stays in the processor's cache
-LARGEST = 1e100  # number whose powers and products stay finite
 SEGMENT = 2  # successive samples that a model remembers as one
 FAINTEST = -200.0  # log of the least responsibility: smaller ones make slow subnormal numbers
 
@@ -70,6 +70,12 @@ class Samples:
         self._memory = memory
         self._triangles = tuple(np.triu_indices(d) for d in self.dims)
         stacks = [np.stack([views[j].T for j in group]) for group in self.groups]
+        extent = max(float(np.ptp(stack, axis=-1).max()) for stack in stacks)
+        if 0 < extent < 1 / LARGEST:
+            raise ArgumentError(
+                f"samples differ by {extent:.1e} at most; change units to stay above "
+                f"{1 / LARGEST:.0e}"
+            )
         self._stacks, self._centres, self._scales = zip(*map(_measured, stacks), strict=True)
         self._size = 1 + sum(
             len(group) * (d + d * (d + 1) // 2)
@@ -87,12 +93,16 @@ class Samples:
 
     def moments(self, responsibilities: np.ndarray) -> Moments:
         """Moments of the samples, without memory, for responsibilities (N, K), Eqs (50-52)."""
-        total = sum(responsibilities[rows].T @ features.T for rows, features in self._blocks())
+        total = np.zeros((responsibilities.shape[1], self._size))
+        for rows, features in self._blocks():
+            total += responsibilities[rows].T @ features.T
         return self._moments(total)
 
     def total(self) -> Moments:
         """Moments of all samples, and of the memory, as one group."""
-        total = sum(features.sum(1) for _, features in self._blocks())
+        total = np.zeros(self._size)
+        for _, features in self._blocks():
+            total += features.sum(1)
         for weight, features in self._recalled():
             total = total + features @ weight
         return self._moments(total[None])
@@ -103,11 +113,12 @@ class Samples:
         """Mean log-likelihood, Eq. (49), and the moments it asks for, in one pass."""
         weights = self._weights(components)
         weights[:, 0] += np.log(priors)
-        log_likelihood, count, total = 0.0, self.count, 0.0
+        log_likelihood, count = 0.0, float(self.count)
+        total = np.zeros((len(weights), self._size))
         for _, features in self._blocks():
             evidence, joint = _responsibilities(weights @ features)
             log_likelihood += evidence.sum()
-            total = total + joint @ features.T
+            total += joint @ features.T
         for weight, features in self._recalled():
             evidence, joint = _responsibilities(weights @ features)
             log_likelihood += evidence @ weight
@@ -119,8 +130,8 @@ class Samples:
         """What to remember of the samples, at times (N,), and of the memory."""
         run = max(SEGMENT, -(-2 * self.count // CAPACITY))
         ends = np.cumsum(lengths)
-        cuts = [np.arange(end - n, end, run) for end, n in zip(ends, lengths, strict=True)]
-        cuts = np.unique(np.concatenate([*cuts, [rows.start for rows in self._slices]]))
+        begun = [np.arange(end - n, end, run) for end, n in zip(ends, lengths, strict=True)]
+        cuts = np.unique(np.concatenate([*begun, [rows.start for rows in self._slices]]))
         totals = [
             np.add.reduceat(
                 features, cuts[(cuts >= rows.start) & (cuts < rows.stop)] - rows.start, axis=1
@@ -130,6 +141,7 @@ class Samples:
         times = [np.add.reduceat(time, cuts) / np.diff(cuts, append=self.count)]
         for weight, features in self._recalled():
             totals.append(features * weight)
+        if self._memory is not None:
             times.append(self._memory.time)
         moments = self._moments(np.concatenate(totals, axis=1).T)
         return Memory(moments, np.concatenate(times)).within(CAPACITY)

@@ -10,6 +10,8 @@ from typing import Protocol
 
 import numpy as np
 
+from tpsim.archive import Part
+from tpsim.checks import shown, whole
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import symmetric
 from tpsim.learning.regularisation import Regularisation
@@ -37,7 +39,7 @@ class Structure(Protocol):
 
 
 @dataclass(frozen=True)
-class Full:
+class Full(Part):
     """Full covariance, Eq. (52)."""
 
     name = "full"
@@ -87,17 +89,14 @@ class Spherical(Full):
 
 
 @dataclass(frozen=True)
-class _Subspace:
+class _Subspace(Part):
     """A structure with a subspace of dimension ``dimension``, d."""
 
     dimension: int
 
-    def __post_init__(self):
-        if self.dimension != int(self.dimension) or self.dimension < 1:
-            raise ArgumentError(
-                f"{type(self).__name__}({self.dimension}): the subspace dimension must be a "
-                "whole number >= 1"
-            )
+    def __post_init__(self) -> None:
+        name = f"subspace dimension of {type(self).__name__}"
+        object.__setattr__(self, "dimension", whole(name, self.dimension, least=1))
 
     def subspace(self, dim: int) -> int:
         """Dimension used in a space of dimension ``dim``: a subspace is smaller than it."""
@@ -225,24 +224,18 @@ class MPPCA(_Subspace):
 
 FULL = Full()
 _BY_NAME = {"full": FULL, "diagonal": Diagonal(), "spherical": Spherical()}
-_SUBSPACES = {"hddc": HDDC, "mfa": MFA, "mppca": MPPCA}
 
 
-def structure_of(covariance: "str | Structure") -> Structure:
+def structure_of(covariance: object) -> Structure:
     """Structure by its name, ``"full"``, ``"diagonal"``, ``"spherical"``, or itself."""
-    if isinstance(covariance, Full | _Subspace):
+    if isinstance(covariance, Full | HDDC | MFA | MPPCA):
         return covariance
     if isinstance(covariance, str) and covariance in _BY_NAME:
         return _BY_NAME[covariance]
     raise ArgumentError(
-        f"covariance is {covariance!r}; give 'full', 'diagonal', 'spherical', HDDC(d), MFA(d) "
+        f"covariance is {shown(covariance)}; give 'full', 'diagonal', 'spherical', HDDC(d), MFA(d) "
         "or MPPCA(d)"
     )
-
-
-def structure_named(name: str, dimension: int) -> Structure:
-    """Structure from the name and subspace dimension that an archive keeps."""
-    return _BY_NAME[name] if name in _BY_NAME else _SUBSPACES[name](dimension)
 
 
 def _principal(matrix: np.ndarray, d: int) -> np.ndarray:

@@ -3,33 +3,24 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.archive import load_arrays, save_arrays
+from tpsim.archive import Stored
+from tpsim.checks import Seed, entries, frozen_array, instance, several
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
-from tpsim.learning.fit import Options, Start, Views, fit, views_of
-from tpsim.learning.gmm import (
-    GMM,
-    checked_priors,
-    log_priors,
-    log_sum,
-    model_arrays,
-    model_fields,
-    posterior,
-)
+from tpsim.learning.fit import Options, Start, Views, fit, seen_by_frames
+from tpsim.learning.gmm import GMM, checked_priors, log_priors, log_sum, posterior
 from tpsim.learning.moments import Memory
 from tpsim.learning.product import product_of_frames, product_with_ridge
-from tpsim.learning.start import time_of
 from tpsim.learning.subspace import FULL, Structure
 
 
 @dataclass(frozen=True, eq=False)
-class TPGMM:
+class TPGMM(Stored):
     """Task-parameterized Gaussian mixture model.
 
     Parameters
@@ -60,8 +51,9 @@ class TPGMM:
     structure: Structure = FULL
     memory: Memory | None = None
 
-    def __post_init__(self):
-        priors, frames = checked_priors(self.priors), tuple(self.frames)
+    def __post_init__(self) -> None:
+        priors = checked_priors(self.priors)
+        frames = tuple(several("frames", self.frames, Gaussian))
         shapes = [frame.mean.shape for frame in frames]
         if not frames or any(len(s) != 2 or s[0] != len(priors) for s in shapes):
             raise ArgumentError(
@@ -70,14 +62,14 @@ class TPGMM:
             )
         object.__setattr__(self, "priors", priors)
         object.__setattr__(self, "frames", frames)
-        object.__setattr__(self, "history", np.asarray(self.history, float))
+        object.__setattr__(self, "history", frozen_array("history", self.history))
 
     @property
     def components(self) -> int:
         """Number of components K."""
         return len(self.priors)
 
-    @property
+    @cached_property
     def dims(self) -> tuple[int, ...]:
         """Local dimension d_j of every frame."""
         return tuple(frame.dim for frame in self.frames)
@@ -128,9 +120,9 @@ class TPGMM:
             gaussians = product_of_frames(self._stack, frames, prior)
         return GMM.trusted(self.priors, gaussians)
 
-    def log_joint(self, observations: Views) -> np.ndarray:
+    def log_joint(self, observations: object) -> np.ndarray:
         """Log of prior times densities in all frames for every component, (N, K)."""
-        views, _ = views_of(observations)
+        views = seen_by_frames(observations).views
         if tuple(view.shape[1] for view in views) != self.dims:
             raise ArgumentError(
                 f"observations have shapes {[view.shape for view in views]}; the model's frames "
@@ -153,24 +145,6 @@ class TPGMM:
         """Posterior of every component for every sample, Eq. (49), (N, K)."""
         return posterior(self.log_joint(observations))
 
-    def save(self, path: str | Path) -> Path:
-        """Write to an .npz archive, whole or not at all, without pickles."""
-        model = model_arrays(self)
-        for j, gaussian in enumerate(self.frames):
-            model |= {f"mean_{j}": gaussian.mean, f"covariance_{j}": gaussian.covariance}
-        if self.memory is not None:
-            model |= self.memory.arrays()
-        return save_arrays(path, "TPGMM", model)
-
-    @classmethod
-    def load(cls, path: str | Path) -> "TPGMM":
-        """Read what :meth:`save` wrote; RecordingError where the file is something else."""
-        arrays = load_arrays(path, "TPGMM")
-        count = sum(name.startswith("mean_") for name in arrays)
-        frames = (Gaussian(arrays[f"mean_{j}"], arrays[f"covariance_{j}"]) for j in range(count))
-        memory = Memory.of_arrays(arrays)
-        return cls(arrays["priors"], tuple(frames), **model_fields(arrays), memory=memory)
-
     def _stack(self, group: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
         """Means (G, K, d) and precisions (G, K, d, d) of frames of equal dimension."""
         if group not in self._stacks:
@@ -186,28 +160,41 @@ class TPGMM:
         """Remembered, since adaptation runs in control loops."""
         return {}
 
-    def _checked_frames(self, frames, prior) -> list[Frame | None]:
-        frames = list(frames)
-        if len(frames) != len(self.frames):
+    def _checked_frames(
+        self, frames: Sequence[Frame | None], prior: Gaussian | None
+    ) -> list[Frame | None]:
+        given = [frames] if isinstance(frames, Frame) else entries("frames", frames, tables=False)
+        if len(given) != len(self.frames):
             raise ArgumentError(
-                f"{len(frames)} frames were given; the model has {len(self.frames)} (None where "
+                f"{len(given)} frames were given; the model has {len(self.frames)} (None where "
                 "one is not observed)"
             )
-        dims = {prior.dim} if prior is not None else set()
-        for j, (frame, d) in enumerate(zip(frames, self.dims, strict=True)):
+        dims = {instance("prior", prior, Gaussian).dim} if prior is not None else set()
+        moving: set[tuple[int, ...]] = set()
+        found: list[Frame | None] = []
+        for j, (frame, d) in enumerate(zip(given, self.dims, strict=True)):
             if frame is None:
+                found.append(None)
                 continue
-            if frame.local_dim != d:
+            if not isinstance(frame, Frame):
+                frame = instance(f"frame {j}", frame, Frame, "give Frame(A, b)")
+            found.append(frame)
+            *leading, D, local = frame.A.shape
+            if local != d:
                 raise ArgumentError(
                     f"frame {j} has A of shape {frame.A.shape}; the model asks for (..., D, {d})"
                 )
-            dims.add(frame.dim)
+            dims.add(D)
+            if leading:
+                moving.add(tuple(leading))
         if len(dims) != 1:
             raise ArgumentError(
                 f"the frames lead to common dimensions {sorted(dims)}; at least one frame must "
                 "be given, and all must agree"
             )
-        return frames
+        if len(moving) > 1:
+            raise ArgumentError(f"the frames move in steps of {sorted(moving)}; all must agree")
+        return found
 
 
 def fit_tp_gmm(
@@ -221,14 +208,16 @@ def fit_tp_gmm(
     max_iterations: int = 100,
     restarts: int = 0,
     time: ArrayLike | None = None,
-    rng: np.random.Generator | None = None,
+    rng: Seed = None,
 ) -> TPGMM:
     """Fit a task-parameterized Gaussian mixture by expectation-maximisation, App. A and B.
 
     Parameters
     ----------
-    demonstrations : sequence of Demonstration, or of P arrays (N, d_j)
-        Demonstrations of any lengths with the same frames, or what each frame saw.
+    demonstrations : Demonstration, sequence of Demonstration, or of P arrays (N, d_j)
+        Demonstrations of any lengths with the same frames or observations, or what each frame
+        saw. Quaternions and wrapped angles are brought into agreement first, with a warning, see
+        :func:`tpsim.agree`.
     components : int
         Number of components K.
     covariance : str or structure
@@ -237,8 +226,9 @@ def fit_tp_gmm(
         ``"time"`` (equal spans in time), ``"kmeans"`` (on the stacked standardised frames), or a
         model; by default both are tried and the likelier result is kept.
     ridge : float, optional
-        Tikhonov regularisation of every M-step, Eq. (8). By default the data set a floor instead,
-        Eq. (7): no covariance is smaller than c times that of all samples in the same frame, with
+        Tikhonov regularisation of every M-step, Eq. (8), in squared units of the data. By default
+        the data set a floor instead, Eq. (7), without any unit: no covariance is smaller than c
+        times that of the N samples on which its component starts, with
         c = max((D + 1) / N (3 %)^2, (0.1 %)^2); see :mod:`tpsim.learning.regularisation`. The
         usual 1e-8 lets a component shrink onto a few samples.
     tolerance : float
@@ -248,9 +238,9 @@ def fit_tp_gmm(
     restarts : int
         Further k-means starts; the likeliest result is kept.
     time : (N,), optional
-        Time of every sample for the start in time. Default: progress through each demonstration;
+        Time of every sample for the start in time. Default: by the stamps of each demonstration;
         for arrays a first column that all frames share, else the order of the rows.
-    rng : numpy Generator, optional
+    rng : numpy Generator or seed, optional
         Draws the k-means seeds; default a fixed seed, so that the same data give the same model.
 
     Returns
@@ -271,16 +261,16 @@ def fit_tp_gmm(
     HDDC, MFA and MPPCA already has that structure (under a floor); ``history`` ends with the
     likelihood of the model that is returned, not of the one before.
     """
-    views, lengths = views_of(demonstrations)
+    seen = seen_by_frames(demonstrations)
     if isinstance(start, TPGMM):
         start = start.priors, start.frames
     options = Options(covariance, start, ridge, tolerance, max_iterations, restarts, time, rng)
-    fitted = fit(views, lengths, components, options)
+    fitted = fit(seen, components, options)
     return TPGMM(
         fitted.priors,
         fitted.frames,
         fitted.history,
         fitted.samples.count,
         fitted.structure,
-        fitted.samples.remembered(time_of(views, lengths, time), lengths),
+        fitted.samples.remembered(fitted.time, seen.lengths),
     )

@@ -9,30 +9,75 @@ same as an attractor that moves. Encode [s, F] or [s, attractor] as a mixture, r
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tpsim.archive import Stored
+from tpsim.checks import (
+    array_of,
+    finite_array,
+    frozen_array,
+    instance,
+    matrix,
+    number,
+    stamps,
+    whole,
+)
+from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import finite_array
 
 
-class Motion(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Motion(Stored):
     """Position [m], velocity [m/s] and acceleration [m/s^2] of a movement, each (T, D)."""
 
     position: NDArray
     velocity: NDArray
     acceleration: NDArray
 
+    def __post_init__(self) -> None:
+        for name in ("position", "velocity", "acceleration"):
+            object.__setattr__(self, name, frozen_array(name, matrix(name, getattr(self, name))))
+        if not self.position.shape == self.velocity.shape == self.acceleration.shape:
+            raise ArgumentError(
+                f"position {self.position.shape}, velocity {self.velocity.shape} and acceleration "
+                f"{self.acceleration.shape} must be equally many (T, D)"
+            )
+
     @classmethod
-    def of(cls, position: ArrayLike, dt: float) -> Motion:
-        """Differentiate positions (T, D), T >= 2, by central differences."""
-        position = _path("position", position)
+    def of(cls, position: ArrayLike | Demonstration, dt: ArrayLike | None = None) -> Motion:
+        """Differentiate positions by central differences.
+
+        Parameters
+        ----------
+        position
+            (T, D), T >= 2, or a demonstration, which has its own stamps.
+        dt
+            Time step [s], or the stamps (T,) [s].
+
+        Notes
+        -----
+        Velocity is exact inside for movements of constant acceleration, evenly sampled or not;
+        the acceleration of an uneven one is exact there as well.
+        """
+        if isinstance(position, Demonstration):
+            return cls.of(position.data, position.time)
+        position = matrix("position", position)
         if len(position) < 2:
             raise ArgumentError(f"position {position.shape} needs at least 2 time steps")
-        velocity = np.gradient(position, _positive("dt", dt), axis=0)
-        return cls(position, velocity, np.gradient(velocity, dt, axis=0))
+        if dt is None:
+            raise ArgumentError("dt is missing; give a time step [s], the stamps, a Demonstration")
+        if array_of("dt", dt).ndim == 0:
+            time = number("dt", dt, above=0) * np.arange(len(position))
+        else:
+            time = stamps("dt", dt)
+        if len(time) != len(position):
+            raise ArgumentError(f"{len(position)} positions and {len(time)} stamps; give one each")
+        origin = position[0]  # far from zero, differences of small weights would lose digits
+        velocity = np.gradient(position - origin, time, axis=0)
+        return cls(position, velocity, np.gradient(velocity, time, axis=0))
 
 
 def decay(steps: int, dt: float, rate: float = 1.0) -> NDArray:
@@ -47,9 +92,10 @@ def decay(steps: int, dt: float, rate: float = 1.0) -> NDArray:
     rate
         Decay rate alpha [1/s]: s_{t+1} = s_t (1 - alpha dt).
     """
-    loss = _positive("rate", rate) * _positive("dt", dt)
-    if steps < 1 or loss >= 1:
-        raise ArgumentError(f"steps is {steps} and rate*dt {loss}; allowed are >= 1 and < 1")
+    loss = number("rate", rate, above=0) * number("dt", dt, above=0)
+    steps = whole("steps", steps, least=1)
+    if loss >= 1:
+        raise ArgumentError(f"rate*dt is {loss}; allowed are steps that leave something, < 1")
     return (1 - loss) ** np.arange(steps)
 
 
@@ -71,17 +117,24 @@ def forcing_term(
     damping
         K_v of the damper [1/s].
     """
+    instance("motion", motion, Motion)
     s = finite_array("s", s)
     if s.shape != motion.position.shape[:1] or not (s > 0).all():
         raise ArgumentError(f"s {s.shape} must be ({len(motion.position)},) and positive")
-    pull = stiffness * (finite_array("goal", goal) - motion.position)
+    stiffness = number("stiffness", stiffness, above=0)
+    damping = number("damping", damping, least=0)
+    goal = finite_array("goal", goal)
+    if goal.shape != motion.position.shape[1:]:
+        raise ArgumentError(f"goal {goal.shape} must be {motion.position.shape[1:]}")
+    pull = stiffness * (goal - motion.position)
     return (motion.acceleration - pull + damping * motion.velocity) / s[:, None]
 
 
 def attractor_path(motion: Motion, stiffness: float, damping: float) -> NDArray:
     """Attractor (T, D) whose spring and damper produce a motion: x + x' K_v/K_p + x''/K_p."""
-    stiffness = _positive("stiffness", stiffness)
-    drag = damping * motion.velocity + motion.acceleration
+    instance("motion", motion, Motion)
+    stiffness = number("stiffness", stiffness, above=0)
+    drag = number("damping", damping, least=0) * motion.velocity + motion.acceleration
     return motion.position + drag / stiffness
 
 
@@ -101,22 +154,9 @@ def forced_attractor(
     stiffness
         K_p of the spring [1/s^2].
     """
-    forcing, goal, s = _path("forcing", forcing), finite_array("goal", goal), finite_array("s", s)
+    forcing, goal, s = matrix("forcing", forcing), finite_array("goal", goal), finite_array("s", s)
     if goal.shape != forcing.shape[1:] or s.shape != forcing.shape[:1]:
         raise ArgumentError(
             f"goal {goal.shape}, forcing {forcing.shape} and s {s.shape} must be (D,), (T, D), (T,)"
         )
-    return goal + s[:, None] * forcing / _positive("stiffness", stiffness)
-
-
-def _path(name: str, path: ArrayLike) -> NDArray:
-    path = finite_array(name, path)
-    if path.ndim != 2 or 0 in path.shape:
-        raise ArgumentError(f"{name} {path.shape} must be (T, D) with at least one step")
-    return path
-
-
-def _positive(name: str, value: float) -> float:
-    if not (np.isfinite(value) and value > 0):
-        raise ArgumentError(f"{name} is {value}; it must be positive")
-    return value
+    return goal + s[:, None] * forcing / number("stiffness", stiffness, above=0)

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tpsim.archive import Stored
+from tpsim.checks import FLOAT, dimensions, finite_array, instance, number
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import Gaussian, add_ridge, match_moments
-
-if TYPE_CHECKING:
-    from tpsim.learning.gmm import GMM
+from tpsim.gaussian import Dimensions, Gaussian, add_ridge, mixed_moments
+from tpsim.learning.gmm import GMM
 
 _BEYOND = 1e100  # squares of larger inputs overflow
 _TINY = float(np.finfo(float).tiny)
@@ -22,8 +20,8 @@ _TINY = float(np.finfo(float).tiny)
 def gmr(
     gmm: GMM,
     inputs: ArrayLike,
-    given: Sequence[int] = (0,),
-    of: Sequence[int] | None = None,
+    given: Dimensions = (0,),
+    of: Dimensions | None = None,
     *,
     ridge: float = 0.0,
 ) -> Gaussian:
@@ -36,7 +34,7 @@ def gmr(
     inputs
         (T, I) values of the given dimensions, or (T,) when there is one.
     given
-        The I input dimensions.
+        The I input dimensions, or one.
     of
         The O output dimensions; all others by default.
     ridge
@@ -61,7 +59,7 @@ def gmr(
 
 
 def gmr_mixture(
-    gmm: GMM, inputs: ArrayLike, given: Sequence[int] = (0,), of: Sequence[int] | None = None
+    gmm: GMM, inputs: ArrayLike, given: Dimensions = (0,), of: Dimensions | None = None
 ) -> tuple[NDArray, Gaussian]:
     """Gaussian mixture regression with all its modes, Eq. 13.
 
@@ -74,8 +72,8 @@ def gmr_mixture(
     return Regression.of(gmm, given, of).mixture(inputs)
 
 
-@dataclass(frozen=True)
-class Regression:
+@dataclass(frozen=True, eq=False)
+class Regression(Stored):
     """A mixture split in inputs and outputs (Eq. 12), ready to be asked in a control loop.
 
     Attributes
@@ -93,12 +91,16 @@ class Regression:
     covariance: NDArray
     log_scale: NDArray
 
+    def __post_init__(self) -> None:
+        for array in (self.input_mean, self.output_mean, self.linear, self.covariance):
+            array.setflags(write=False)
+
     @classmethod
     def of(
         cls,
         gmm: GMM,
-        given: Sequence[int] = (0,),
-        of: Sequence[int] | None = None,
+        given: Dimensions = (0,),
+        of: Dimensions | None = None,
         *,
         ridge: float = 0.0,
     ) -> Regression:
@@ -106,29 +108,29 @@ class Regression:
 
         The ridge of Eq. 8 goes to every component, which adds it once to their weighted sum.
         """
+        instance("gmm", gmm, GMM, "adapt(frames) makes one of a task-parameterized model")
         mean, covariance = gmm.gaussians.mean, gmm.gaussians.covariance
-        order = _order(mean.shape[-1], given, of)
+        inputs, order = _order(mean.shape[-1], given, of)
         if order is not None:
             mean, covariance = mean[..., order], covariance[..., order[:, None], order]
-        inputs = len(given)
         whiten = _whitening(covariance[..., :inputs, :inputs])
         if whiten is None:
             raise ArgumentError(
-                f"The covariance of the given dimensions {tuple(given)} is not positive definite "
+                f"The covariance of the given dimensions {given} is not positive definite "
                 "in every component. Fit with a larger ridge, or give other dimensions"
             )
         explained = covariance[..., inputs:, :inputs] @ whiten.swapaxes(-1, -2)
         linear = np.concatenate((whiten, explained @ whiten), axis=-2)
         conditional = covariance[..., inputs:, inputs:] - explained @ explained.swapaxes(-1, -2)
-        if ridge:
-            conditional = add_ridge(conditional, ridge)
+        if type(ridge) is not float or ridge != 0.0:
+            conditional = add_ridge(conditional, number("ridge", ridge, least=0))
         diagonal = whiten.diagonal(axis1=-2, axis2=-1)
         log_scale = np.log(np.maximum(gmm.priors * np.multiply.reduce(diagonal, -1), _TINY))
         return cls(mean[..., :inputs], mean[..., inputs:], linear, conditional, log_scale)
 
     def __call__(self, inputs: ArrayLike) -> Gaussian:
         """Single Gaussian at inputs (..., I), Eqs 17-19: mean (..., O), covariance (..., O, O)."""
-        return match_moments(*self.mixture(inputs))
+        return mixed_moments(*self.mixture(inputs))
 
     def at(self, point: ArrayLike) -> Gaussian:
         """Single Gaussian at one input (I,), as a call, in a fraction of its time.
@@ -136,7 +138,12 @@ class Regression:
         The mixture must have no leading axes: adapt it to the frames of this moment.
         """
         size, outputs = self.linear.shape[-1], self.covariance.shape[-1]
-        point = np.asarray(point, float).reshape(-1)
+        if type(point) is not np.ndarray or point.dtype is not FLOAT:
+            try:
+                point = finite_array("point", point)
+            except ArgumentError as error:
+                raise ArgumentError(f"at() takes {size} finite values; {error}") from error
+        point = point.reshape(-1)
         if self.input_mean.ndim != 2 or len(point) != size or not point.dot(point) < _BEYOND**2:
             raise ArgumentError(
                 f"at() takes {size} finite values and a mixture without leading axes; got "
@@ -168,7 +175,7 @@ class Regression:
 
     def _components(self, inputs: ArrayLike) -> tuple[NDArray, NDArray]:
         size = self.linear.shape[-1]
-        inputs = self._check(np.asarray(inputs, float), size)
+        inputs = self._check(finite_array("inputs", inputs), size)
         offset = inputs[..., None, :] - self.input_mean
         moved = np.einsum("...kai,...ki->...ka", self.linear, offset)
         white = moved[..., :size]
@@ -188,7 +195,7 @@ class Regression:
                 f"inputs {inputs.shape} do not fit a mixture with leading axes {lead}"
             )
         if not (abs(inputs) < _BEYOND).all():
-            raise ArgumentError("inputs hold values that are not finite or beyond all support")
+            raise ArgumentError("inputs hold values beyond all support; change their unit")
         return inputs
 
 
@@ -202,13 +209,16 @@ def _whitening(covariance: NDArray) -> NDArray | None:
         return None
 
 
-def _order(dim: int, given: Sequence[int], of: Sequence[int] | None) -> NDArray | None:
-    """Dimensions in the order inputs, outputs; None when they already are."""
-    outputs = [i for i in range(dim) if i not in given] if of is None else list(of)
-    order = [*given, *outputs]
-    if not given or not outputs or len(set(order)) < len(order) or not set(order) <= {*range(dim)}:
+def _order(dim: int, given: Dimensions, of: Dimensions | None) -> tuple[int, NDArray | None]:
+    """Number of inputs, and dimensions in the order inputs, outputs; None when they already are."""
+    if of is None and isinstance(given, tuple) and given == (0,) and dim > 1:
+        return 1, None
+    inputs = dimensions("given", given, dim)
+    outputs = dimensions("of", np.setdiff1d(np.arange(dim), inputs) if of is None else of, dim)
+    order = np.concatenate([inputs, outputs])
+    if len(np.unique(order)) < len(order):
         raise ArgumentError(
-            f"given={tuple(given)} and of={tuple(outputs)} must be different dimensions out of "
-            f"0..{dim - 1}, at least one each"
+            f"given={inputs.tolist()} and of={outputs.tolist()} must be different dimensions out "
+            f"of 0..{dim - 1}, at least one each"
         )
-    return None if order == list(range(dim)) else np.array(order)
+    return len(inputs), None if np.array_equal(order, np.arange(dim)) else order

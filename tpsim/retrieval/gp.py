@@ -6,39 +6,19 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import cho_solve, solve_triangular
+from scipy.linalg import solve_triangular
 
+from tpsim.archive import Stored
+from tpsim.checks import column_or_matrix, flag, frozen_array, instance, number
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import LOG_2PI, Gaussian, cholesky, finite_array, floor_eigenvalues
+from tpsim.gaussian import LOG_2PI, Gaussian, cholesky, floor_eigenvalues
+from tpsim.retrieval.gp_kernel import SquaredExponential, likeliest_kernel, spread_of
+
+LEAST = 1e-3  # of the spread of an output: a smaller deviation of the data is never believed
 
 
-@dataclass(frozen=True)
-class SquaredExponential:
-    """Covariance function variance exp(-|a - b|^2 / (2 length^2)), and the noise of outputs.
-
-    Attributes
-    ----------
-    variance : of the function, squared units of the output.
-    length : over which the function varies, units of the input.
-    noise : sigma^2 of Eq. 45, squared units of the output.
-    """
-
-    variance: float = 1.0
-    length: float = 1.0
-    noise: float = 1e-3
-
-    def __post_init__(self):
-        if not (0 < self.variance < np.inf and 0 < self.length < np.inf and self.noise >= 0):
-            raise ArgumentError(f"{self}: variance and length must be positive, noise not negative")
-
-    def __call__(self, a: NDArray, b: NDArray) -> NDArray:
-        """Covariance K(a, b) of shape (N, M) between inputs (N, I) and (M, I)."""
-        square = (a**2).sum(-1)[:, None] + (b**2).sum(-1) - 2 * a @ b.T
-        return self.variance * np.exp(-0.5 * np.maximum(square, 0.0) / self.length**2)
-
-
-@dataclass(frozen=True)
-class GaussianProcess:
+@dataclass(frozen=True, eq=False)
+class GaussianProcess(Stored):
     """Gaussian process that has seen data; call it with queries. Made by :func:`fit_gp`.
 
     Attributes
@@ -46,8 +26,8 @@ class GaussianProcess:
     inputs : (N, I)
     outputs : (N, O), centered.
     mean : (O,), taken off the outputs.
-    kernel : covariance function of every output.
-    factor : (N, N), lower Cholesky factor of K(Q, Q) + sigma^2 I.
+    kernel : covariance function, of all outputs or with one entry for each.
+    factor : (1, N, N) or (O, N, N), lower Cholesky factors of K(Q, Q) + sigma^2 I.
     """
 
     inputs: NDArray
@@ -56,30 +36,42 @@ class GaussianProcess:
     kernel: SquaredExponential
     factor: NDArray
 
+    def __post_init__(self) -> None:
+        instance("kernel", self.kernel, SquaredExponential)
+        for name in ("inputs", "outputs", "mean", "factor"):
+            object.__setattr__(self, name, frozen_array(name, getattr(self, name)))
+
     def __call__(self, queries: ArrayLike) -> Gaussian:
         """Prediction at queries (T, I), Eqs 46-47: mean (T, O), covariance (T, O, O).
 
-        The covariance is the uncertainty about the function, the same for every output and
-        independent of their values; see :meth:`spread` for that of the data.
+        The covariance is the uncertainty about the function, independent of the outputs' values
+        and of each other's; see :meth:`spread` for that of the data.
         """
         cross = self._cross(queries)
-        white = solve_triangular(self.factor, cross.T, lower=True)
-        variance = np.maximum(self.kernel.variance - (white**2).sum(0), 0.0)
-        identity = np.eye(len(self.mean))
-        return Gaussian.trusted(self._predict(cross), variance[:, None, None] * identity)
+        white = self._white(cross.mT)
+        variance = np.maximum(self.kernel.variances[:, None] - (white**2).sum(1), 0.0)
+        outputs = len(self.mean)
+        variance = np.broadcast_to(variance, (outputs, variance.shape[1])).T
+        return Gaussian.trusted(self._predict(cross), variance[..., None] * np.eye(outputs))
 
     def joint_covariance(self, queries: ArrayLike) -> NDArray:
-        """Covariance (T, T) between the predictions at queries (T, I), Eq. 47."""
+        """Covariance (T, T) between the predictions at queries (T, I), Eq. 47.
+
+        One for every output, (O, T, T), where the kernel has an entry for each.
+        """
         cross = self._cross(queries)
-        queries = _rows("queries", queries)
-        white = solve_triangular(self.factor, cross.T, lower=True)
-        return self.kernel(queries, queries) - white.T @ white
+        white = self._white(cross.mT)
+        rows = self._rows(queries)
+        return self._plain(self.kernel.matrices(rows, rows) - white.mT @ white)
 
     def weights(self, queries: ArrayLike) -> NDArray:
-        """Weights (T, N) of the outputs in the predictions: K(Q^d, Q) [K(Q, Q) + sigma^2 I]^-1."""
-        return cho_solve((self.factor, True), self._cross(queries).T).T
+        """Weights (T, N) of the outputs in the predictions: K(Q^d, Q) [K(Q, Q) + sigma^2 I]^-1.
 
-    def spread(self, queries: ArrayLike, ridge: float = 1e-4) -> Gaussian:
+        One for every output, (O, T, N), where the kernel has an entry for each.
+        """
+        return self._plain(self._weights(self._cross(queries)))
+
+    def spread(self, queries: ArrayLike, ridge: float | None = None) -> Gaussian:
         """Prediction with the covariance of the data around it, Eq. 46 with Eq. 19.
 
         This is what lets the frames of a task-parameterized process disagree: the outputs, with
@@ -91,40 +83,65 @@ class GaussianProcess:
             (T, I).
         ridge
             Added to the covariance, whose eigenvalues are not allowed below (weights of a
-            Gaussian process may be negative).
+            Gaussian process may be negative), in squared units of the outputs. By default a
+            millionth of each output's own variance, whatever its unit.
 
         Returns
         -------
         Gaussian with mean (T, O) and covariance (T, O, O).
         """
-        W = self.weights(queries)
-        mean = W @ self.outputs
-        size = mean.shape[1]
-        squares = (self.outputs[:, :, None] * self.outputs[:, None]).reshape(-1, size**2)
-        second = (W @ squares).reshape(-1, size, size)
-        apart = W.sum(1)[:, None, None] - 2.0
-        covariance = second + apart * (mean[:, :, None] * mean[:, None])
-        covariance = floor_eigenvalues(covariance, 0.0) + ridge * np.eye(size)
+        cross = self._cross(queries)
+        W, y, mean = self._weights(cross), self.outputs, self._predict(cross) - self.mean
+        covariance = _shared_spread(W[0], y, mean) if len(W) == 1 else _own_spread(W, y, mean)
+        scale = spread_of(y)
+        unit = np.outer(scale, scale)
+        covariance = unit * floor_eigenvalues(covariance / unit, 0.0)
+        if ridge is None:
+            covariance += LEAST**2 * np.diag(scale**2)
+        else:
+            covariance += number("ridge", ridge, least=0) * np.eye(len(scale))
         return Gaussian.trusted(mean + self.mean, covariance)
 
     @property
     def log_likelihood(self) -> float:
         """Log marginal likelihood of the outputs, summed over their dimensions."""
-        white = solve_triangular(self.factor, self.outputs, lower=True)
+        white = self._white(self.outputs.T[..., None] if len(self.factor) > 1 else self.outputs)
         points, outputs = self.outputs.shape
-        log_det = np.log(self.factor.diagonal()).sum()
-        return float(-0.5 * (white**2).sum() - outputs * (log_det + 0.5 * points * LOG_2PI))
+        log_det = np.log(self.factor.diagonal(0, -2, -1)).sum() * (outputs / len(self.factor))
+        return float(-0.5 * (white**2).sum() - log_det - 0.5 * outputs * points * LOG_2PI)
+
+    def _rows(self, queries: ArrayLike) -> NDArray:
+        rows = column_or_matrix("queries", queries)
+        if rows.shape[1] != self.inputs.shape[1]:
+            raise ArgumentError(
+                f"queries {rows.shape} must have {self.inputs.shape[1]} columns, as the inputs"
+            )
+        return rows
 
     def _cross(self, queries: ArrayLike) -> NDArray:
-        queries = _rows("queries", queries)
-        if queries.shape[1] != self.inputs.shape[1]:
-            raise ArgumentError(
-                f"queries {queries.shape} must have {self.inputs.shape[1]} columns, as the inputs"
-            )
-        return self.kernel(queries, self.inputs)
+        """Covariance (1 or O, T, N) between queries and inputs."""
+        return self.kernel.matrices(self._rows(queries), self.inputs)
+
+    def _white(self, columns: NDArray) -> NDArray:
+        """Columns (1 or O, N, T), or (N, T), in the coordinates where the outputs are white."""
+        columns = np.broadcast_to(columns, (len(self.factor), *columns.shape[-2:]))
+        pairs = zip(self.factor, columns, strict=True)
+        return np.array([solve_triangular(L, column, lower=True) for L, column in pairs])
+
+    def _weights(self, cross: NDArray) -> NDArray:
+        white = self._white(cross.mT)
+        pairs = zip(self.factor, white, strict=True)
+        return np.array([solve_triangular(L, w, lower=True, trans=1).T for L, w in pairs])
 
     def _predict(self, cross: NDArray) -> NDArray:
-        return cross @ cho_solve((self.factor, True), self.outputs) + self.mean
+        """Means (T, O)."""
+        W = self._weights(cross)
+        if len(W) == 1:
+            return W[0] @ self.outputs + self.mean
+        return np.einsum("otn,no->to", W, self.outputs) + self.mean
+
+    def _plain(self, matrices: NDArray) -> NDArray:
+        return matrices if self.kernel.outputs else matrices[0]
 
 
 def fit_gp(
@@ -143,7 +160,8 @@ def fit_gp(
     outputs
         Theta, (N, O) or (N,): flattened trajectories, model parameters, or positions.
     kernel
-        Covariance function; by default the one of largest marginal likelihood.
+        Covariance function; by default the one of largest marginal likelihood, for every output
+        its own, so that neither units nor the other outputs matter.
     center
         Take the mean off the outputs, as Section 8.1 says.
 
@@ -152,43 +170,40 @@ def fit_gp(
     ArgumentError
         Shapes that do not fit, values that are not finite, or inputs that repeat without noise.
     """
-    inputs, outputs = _rows("inputs", inputs), _rows("outputs", outputs)
-    if len(inputs) != len(outputs) or len(inputs) == 0:
+    inputs, outputs = column_or_matrix("inputs", inputs), column_or_matrix("outputs", outputs)
+    if len(inputs) != len(outputs):
         raise ArgumentError(
             f"inputs {inputs.shape} and outputs {outputs.shape} need the same, positive length"
         )
-    mean = outputs.mean(0) if center else np.zeros(outputs.shape[1])
-    kernel = kernel or likeliest_kernel(inputs, outputs - mean)
-    covariance = kernel(inputs, inputs)
-    covariance.flat[:: len(inputs) + 1] += kernel.noise
+    mean = outputs.mean(0) if flag("center", center) else np.zeros(outputs.shape[1])
+    if kernel is None:
+        kernel = likeliest_kernel(inputs, outputs - mean)
+    instance("kernel", kernel, SquaredExponential)
+    if kernel.outputs not in (0, outputs.shape[1]):
+        raise ArgumentError(
+            f"kernel has entries for {kernel.outputs} outputs, there are {outputs.shape[1]}"
+        )
+    covariance = kernel.matrices(inputs, inputs)
+    covariance[:, range(len(inputs)), range(len(inputs))] += kernel.noises[:, None]
     factor = cholesky(covariance, "covariance of the inputs (repeated without noise?)")
     return GaussianProcess(inputs, outputs - mean, mean, kernel, factor)
 
 
-def likeliest_kernel(inputs: NDArray, outputs: NDArray) -> SquaredExponential:
-    """Kernel of largest marginal likelihood for inputs (N, I) and centered outputs (N, O).
-
-    Lengths between a hundredth and ten times the extent of the inputs are searched by L-BFGS-B.
-    """
-    from scipy.optimize import minimize
-
-    scale = float(outputs.var()) or 1.0
-    extent = float(np.linalg.norm(np.ptp(inputs, axis=0))) or 1.0
-
-    def kernel(log) -> SquaredExponential:
-        variance, length, noise = np.exp(log)
-        return SquaredExponential(variance * scale, length * extent, noise * scale)
-
-    def cost(log) -> float:
-        return -fit_gp(inputs, outputs, kernel(log), center=False).log_likelihood
-
-    bounds = np.log([(1e-3, 1e3), (1e-2, 1e1), (1e-6, 1.0)])
-    return kernel(minimize(cost, np.log([1.0, 0.3, 1e-3]), method="L-BFGS-B", bounds=bounds).x)
+def _shared_spread(W: NDArray, y: NDArray, mean: NDArray) -> NDArray:
+    """Covariance (T, O, O) of outputs (N, O) around means (T, O) under weights (T, N) of all."""
+    size = y.shape[1]
+    squares = (y[:, :, None] * y[:, None]).reshape(-1, size**2)
+    second = (W @ squares).reshape(-1, size, size)
+    return second + (W.sum(1) - 2.0)[:, None, None] * (mean[:, :, None] * mean[:, None])
 
 
-def _rows(name: str, values: ArrayLike) -> NDArray:
-    values = finite_array(name, values)
-    values = values[:, None] if values.ndim == 1 else values
-    if values.ndim != 2 or values.shape[1] == 0:
-        raise ArgumentError(f"{name} {values.shape} must be (N,) or (N, columns)")
-    return values
+def _own_spread(W: NDArray, y: NDArray, mean: NDArray) -> NDArray:
+    """The same for weights (O, T, N) of every output: two vary together by the mean of theirs."""
+    size = y.shape[1]
+    covariance = np.empty((W.shape[1], size, size))
+    for i in range(size):
+        for j in range(i + 1):
+            w, mi, mj = 0.5 * (W[i] + W[j]), mean[:, i], mean[:, j]
+            both = w @ (y[:, i] * y[:, j]) - mj * (w @ y[:, i]) - mi * (w @ y[:, j])
+            covariance[:, i, j] = covariance[:, j, i] = both + w.sum(1) * mi * mj
+    return covariance

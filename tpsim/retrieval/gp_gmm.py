@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tpsim.archive import Stored
+from tpsim.checks import choice, finite_array, frozen_array, number, several
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian, floor_eigenvalues, symmetric
 from tpsim.learning.gmm import GMM
-from tpsim.retrieval.gp import GaussianProcess, SquaredExponential, fit_gp
+from tpsim.retrieval.gp import GaussianProcess, fit_gp
+from tpsim.retrieval.gp_kernel import SquaredExponential
 
 Encoding = Literal["logarithm", "entries"]
 
 
-@dataclass(frozen=True)
-class MixtureProcess:
+@dataclass(frozen=True, eq=False)
+class MixtureProcess(Stored):
     """Gaussian process from task parameters to the parameters of a mixture.
 
     Attributes
@@ -26,17 +29,20 @@ class MixtureProcess:
     process : Gaussian process with outputs (M, K + K*D + K*D*D): priors, means, covariances.
     shape : K and D.
     encoding : how priors and covariances were written.
-    floor : smallest eigenvalue of a covariance that was predicted by its entries.
+    floor : (K,), smallest eigenvalue of a covariance that was predicted by its entries.
     """
 
     process: GaussianProcess
     shape: tuple[int, int]
     encoding: Encoding
-    floor: float
+    floor: NDArray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "floor", frozen_array("floor", self.floor))
 
     def __call__(self, task: ArrayLike) -> GMM:
         """Mixture for new task parameters (q,), Eq. 46."""
-        theta = self.process(np.atleast_2d(task)).mean[0]
+        theta = self.process(finite_array("task", task).reshape(1, -1)).mean[0]
         K, D = self.shape
         priors, means, covariances = np.split(theta, [K, K + K * D])
         covariances = symmetric(covariances.reshape(K, D, D))
@@ -55,7 +61,7 @@ def fit_gp_gmm(
     kernel: SquaredExponential | None = None,
     *,
     encoding: Encoding = "logarithm",
-    floor: float = 1e-3,
+    floor: float | None = None,
 ) -> MixtureProcess:
     """Learn how the mixtures of single demonstrations depend on their task parameters, Eq. 45.
 
@@ -71,21 +77,25 @@ def fit_gp_gmm(
         "logarithm" interpolates covariances by their matrix logarithm, so that every prediction
         is positive definite; "entries" interpolates their entries, as the tutorial's code does.
     floor
-        With "entries", the eigenvalue floor of the predicted covariances (Eq. 7).
+        With "entries", the eigenvalue floor of the predicted covariances (Eq. 7), in squared
+        units of the data. By default the smallest eigenvalue that each component has shown.
 
     Raises
     ------
     ArgumentError
         Mixtures of different size, a singular covariance, or another number of tasks.
     """
-    if encoding not in ("logarithm", "entries"):
-        raise ArgumentError(f"encoding is {encoding!r}; allowed are 'logarithm' and 'entries'")
+    choice("encoding", encoding, ("logarithm", "entries"))
+    gmms = several("gmms", gmms, GMM)
     shapes = {gmm.gaussians.mean.shape for gmm in gmms}
     if len(shapes) != 1 or len(min(shapes)) != 2:
         raise ArgumentError(f"gmms have means of shapes {sorted(shapes)}; give one shape (K, D)")
     theta = [_parameters(gmm, encoding) for gmm in gmms]
     process = fit_gp(tasks, theta, kernel)
-    return MixtureProcess(process, min(shapes), encoding, floor)
+    least = np.array([np.linalg.eigvalsh(gmm.gaussians.covariance)[:, 0] for gmm in gmms]).min(0)
+    if floor is not None:
+        least = np.full_like(least, number("floor", floor, least=0))
+    return MixtureProcess(process, min(shapes), encoding, least)
 
 
 def _parameters(gmm: GMM, encoding: Encoding) -> NDArray:
@@ -97,7 +107,7 @@ def _parameters(gmm: GMM, encoding: Encoding) -> NDArray:
     return np.concatenate([priors, gmm.gaussians.mean.ravel(), covariances.ravel()])
 
 
-def _of_eigenvalues(function, matrix: NDArray) -> NDArray:
+def _of_eigenvalues(function: Callable[[NDArray], NDArray], matrix: NDArray) -> NDArray:
     """Function of symmetric matrices (..., D, D), applied to their eigenvalues."""
     eigenvalues, V = np.linalg.eigh(matrix)
     return symmetric((V * function(eigenvalues)[..., None, :]) @ V.mT)

@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.checks import finite_array, number, whole
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import WORST_CONDITION, Gaussian, finite_array
+from tpsim.gaussian import WORST_CONDITION, Gaussian
+from tpsim.retrieval.least import least_variances
+
+LEAST = 1e-3  # of the spread of the outputs around a query: a smaller error is never believed
 
 
 def lwr(
@@ -16,7 +20,7 @@ def lwr(
     width: float,
     *,
     degree: int = 1,
-    ridge: float = 1e-4,
+    ridge: float | None = None,
 ) -> Gaussian:
     """Locally weighted regression with the spread of the data around it (TP-LWR, Fig. 13).
 
@@ -36,7 +40,9 @@ def lwr(
     degree
         Degree of the local polynomial: 0 averages, 1 is the usual line.
     ridge
-        Added to the diagonal of the covariance (Eq. 8).
+        Added to the diagonal of the covariance (Eq. 8), in squared units of the outputs. By
+        default no variance is smaller than a millionth of that of its own output around the
+        query, whatever the unit.
 
     Returns
     -------
@@ -47,15 +53,15 @@ def lwr(
     ArgumentError
         Shapes that do not fit, or a query whose neighbourhood does not determine the polynomial.
     """
-    inputs, outputs = finite_array("inputs", inputs), finite_array("outputs", outputs)
+    inputs, y = finite_array("inputs", inputs), finite_array("outputs", outputs)
     queries = np.atleast_1d(finite_array("queries", queries))
-    if inputs.ndim != 1 or outputs.ndim != 2 or len(inputs) != len(outputs) or queries.ndim != 1:
+    if inputs.ndim != 1 or y.ndim != 2 or len(inputs) != len(y) or queries.ndim != 1:
         raise ArgumentError(
-            f"inputs {inputs.shape}, outputs {outputs.shape} and queries {queries.shape} must be "
+            f"inputs {inputs.shape}, outputs {y.shape} and queries {queries.shape} must be "
             "(N,), (N, O) and (T,)"
         )
-    if not width > 0 or degree < 0:
-        raise ArgumentError(f"width is {width} and degree {degree}; allowed are > 0 and >= 0")
+    width, degree = number("width", width, above=0), whole("degree", degree)
+    ridge = None if ridge is None else number("ridge", ridge, least=0)
     z = (inputs - queries[:, None]) / width
     h = np.exp(-0.5 * z**2)
     reached = h.sum(1) > 1e-12
@@ -70,7 +76,15 @@ def lwr(
     normal = weighted @ powers
     if not (np.linalg.cond(normal) < WORST_CONDITION).all():
         raise ArgumentError(f"Too few inputs around a query for degree {degree}; widen the width")
-    polynomial = np.linalg.solve(normal, weighted @ outputs)
-    residual = outputs - powers @ polynomial
+    centre = y.mean(0)
+    y = y - centre
+    polynomial = np.linalg.solve(normal, weighted @ y)
+    residual = y - powers @ polynomial
     covariance = (residual * h[..., None]).mT @ residual
-    return Gaussian.trusted(polynomial[:, 0], covariance + ridge * np.eye(outputs.shape[1]))
+    if ridge is None:
+        local = np.maximum(h @ y**2 - (h @ y) ** 2, 0.0)
+        added = least_variances(local, LEAST) - np.diagonal(covariance, axis1=1, axis2=2)
+        covariance += np.maximum(added, 0.0)[..., None] * np.eye(y.shape[1])
+    else:
+        covariance += ridge * np.eye(y.shape[1])
+    return Gaussian.trusted(polynomial[:, 0] + centre, covariance)

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 
+from tpsim.checks import FASTEST, array_of, choice, finite_array, number, whole
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import Gaussian, finite_array
+from tpsim.gaussian import Gaussian
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -54,6 +55,7 @@ def derivative_operator(
     from scipy.sparse import coo_array, eye_array, kron
 
     _check_grid(steps, dt, derivatives, differences)
+    whole("dim", dim, least=1)
     order = derivatives + 1
     windows = _windows(steps, dt, order, differences)
     start = np.arange(steps) - (order - 1 if differences == "backward" else 0)
@@ -107,8 +109,8 @@ def trajectory(
     means, covariances = _check_statistics(means, covariances, derivatives)
     steps, size = means.shape
     _check_grid(steps, dt, derivatives, differences)
-    if border not in ("free", "zero"):
-        raise ArgumentError(f"border is {border!r}; allowed are 'free' and 'zero'")
+    choice("border", border, ("free", "zero"))
+    scale = number("scale", scale, above=0)
     order = derivatives + 1
     dim = size // order
     windows = _windows(steps, dt, order, differences)
@@ -144,7 +146,9 @@ def trajectory_of_states(
     options
         Keywords of :func:`trajectory`.
     """
-    states = np.asarray(states)
+    states = array_of("states", states)
+    if not isinstance(getattr(model, "gaussians", None), Gaussian):
+        raise ArgumentError(f"model is a {type(model).__name__}; give a GMM, HMM or HSMM")
     mean, covariance = model.gaussians.mean, model.gaussians.covariance
     components = mean.shape[-2]
     if states.ndim != 1 or not np.issubdtype(states.dtype, np.integer):
@@ -255,17 +259,17 @@ def _diagonal_blocks_of_inverse(factor: NDArray, dim: int) -> NDArray:
 
 
 def _check_grid(steps: int, dt: float, derivatives: int, differences: str) -> None:
-    if steps < 1 or derivatives < 0:
-        raise ArgumentError(
-            f"steps is {steps} and derivatives {derivatives}; allowed are 1 or more and 0 or more"
-        )
-    if not (np.isfinite(dt) and dt > 0):
-        raise ArgumentError(f"dt is {dt}; it must be a positive time step in seconds")
-    if differences not in ("forward", "backward"):
-        raise ArgumentError(f"differences is {differences!r}; allowed: 'forward', 'backward'")
+    whole("steps", steps, least=1)
+    whole("derivatives", derivatives)
+    if number("dt", dt, above=0, what="time step [s]") ** max(derivatives, 1) < FASTEST:
+        raise ArgumentError(f"dt is {dt} s; rates of change over it leave floating point")
+    choice("differences", differences, ("forward", "backward"))
 
 
-def _check_statistics(means, covariances, derivatives: int) -> tuple[NDArray, NDArray]:
+def _check_statistics(
+    means: ArrayLike, covariances: ArrayLike, derivatives: int
+) -> tuple[NDArray, NDArray]:
+    whole("derivatives", derivatives)
     means, covariances = finite_array("means", means), finite_array("covariances", covariances)
     if means.ndim != 2 or covariances.shape != (*means.shape, means.shape[-1]):
         raise ArgumentError(

@@ -265,7 +265,8 @@ class Robot:
     def gravity_torque(self, q: ArrayLike) -> np.ndarray:
         """Torque (n,) [Nm] that holds the robot still at q (n,)."""
         q = np.asarray(q, float)
-        return self._with_springs(pin.computeGeneralizedGravity(self._pin, self._dynamics, q), q)
+        torque = pin.computeGeneralizedGravity(self._pin, self._dynamics, q)
+        return self._with_springs(torque, q) if self._sprung else torque
 
     def is_comfortable(self, q: np.ndarray, margin: float = 0.15, load: float = 0.8) -> bool:
         """Whether a posture q (n,) keeps off its limits by a margin [rad], with torque to spare.
@@ -285,11 +286,12 @@ class Robot:
 
     def compute_bias(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
         """Coriolis, centrifugal, gravity and spring torque (n,) [Nm]."""
-        return self._with_springs(pin.nonLinearEffects(self._pin, self._dynamics, q, dq), q)
+        torque = pin.nonLinearEffects(self._pin, self._dynamics, q, dq)
+        return self._with_springs(torque, q) if self._sprung else torque
 
     def _with_springs(self, torque: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Torque against the joints' own springs, added; most robots have none."""
-        return torque + self._springs * (q - self._slack) if self._sprung else torque
+        return torque + self._springs * (q - self._slack)
 
     def compute_mass(self, q: np.ndarray) -> np.ndarray:
         """Inertia (n, n) with armature."""

@@ -90,7 +90,7 @@ class Episode:
         """Move the objects to where they are now; return what the robot senses."""
         simulation = self.simulation
         self._objects.act(self._step)
-        x, seen, time = simulation.x, self._objects.now, simulation.time
+        x, seen, time = simulation.x, self._objects.now, simulation.data.time
         self.truth = State(simulation.robot, x, seen, time)
         if self._sensors is None:
             return self.truth
@@ -112,7 +112,10 @@ class Episode:
                 person.act(self._step, self.truth)
         if self._delay is not None:
             wanted = self._delay.pass_on(wanted)
-        # Not a number is not within the limit either.
+        # Enough for all of them, and cheap; not a number is not within the limit either.
+        share = wanted / self._limit
+        if share.dot(share) <= 1.0:
+            return wanted
         if np.count_nonzero(np.abs(wanted) <= self._limit) == len(wanted):
             return wanted
         self.saturated += 1

@@ -130,9 +130,16 @@ def hand_stiffness(J: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
     J, stiffness = np.asarray(J), np.asarray(stiffness)
     felt = np.zeros((*J.shape[:-2], 6, 6))
     stiff = stiffness.any(axis=(-1, -2))
-    compliance = J[stiff] @ np.linalg.solve(stiffness[stiff], J[stiff].mT)
     if not stiff.any():
         return felt
-    full = np.linalg.matrix_rank(J.reshape(-1, *J.shape[-2:])[0]) == 6
-    felt[stiff] = np.linalg.inv(compliance) if full else np.linalg.pinv(compliance, rcond=1e-10)
+    # Directions in which the arm never moves, such as out of a plane, are left out.
+    rows = np.flatnonzero(np.abs(J).max(axis=(*range(J.ndim - 2), -1)) > 1e-9)
+    moving = J[stiff][..., rows, :]
+    compliance = moving @ np.linalg.solve(stiffness[stiff], moving.mT)
+    first = moving.reshape(-1, *moving.shape[-2:])[0]
+    full = np.linalg.matrix_rank(first) == len(rows)
+    inverse = np.linalg.inv(compliance) if full else np.linalg.pinv(compliance, rcond=1e-10)
+    block = np.zeros((*compliance.shape[:-2], 6, 6))
+    block[..., rows[:, None], rows] = inverse
+    felt[stiff] = block
     return felt

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tpsim import rotation
+from tpsim.study.teaching_files import read_demonstrations
 from tpsim.task.task import draw_situation
 from tpsim.task.verbs import learn
 from tpsim.tasks.cup_and_sugar import cup, sugar
@@ -17,18 +18,17 @@ from tpsim.world.teaching import teach
 TASK = CupAndSugar(("cup",))
 
 
-def taught(world, teacher):
-    task = replace(TASK)
-    task.__dict__["stage"] = world  # made once for all tests
-    trials = teach(world, teacher, 3, seed=0, sites={})
-    return learn(task, {"cup": trials})["cup"]
-
-
 @pytest.fixture(scope="module")
 def models(cup_world):
     """Learned from a teacher who keeps the cup level, and from one who keeps the height."""
+    task = replace(TASK)
+    task.__dict__["stage"] = cup_world  # made once for all tests
     careless = partial(cup.lesson, workspace=Workspace(tilt=0.25), level=0.0)
-    return {"level": taught(cup_world, cup.lesson), "height": taught(cup_world, careless)}
+    by_height = teach(cup_world, careless, 3, seed=0, sites={})
+    return {
+        "level": learn(task, read_demonstrations(task))["cup"],
+        "height": learn(task, {"cup": by_height})["cup"],
+    }
 
 
 def test_the_stiff_direction_moves_with_what_the_teacher_fixes(models):

@@ -9,7 +9,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -86,7 +86,7 @@ class View(ABC):
 
     def __getstate__(self) -> dict[str, object]:
         """Fields alone travel to other processes."""
-        return {name: value for name, value in self.__dict__.items() if name != "_known"}
+        return {name: value for name, value in self.__dict__.items() if name[0] != "_"}
 
     def __getitem__(self, rows: int | slice | Sequence[int]) -> "Part":
         """Some of the dimensions: ``view[:2]``, ``view[0]``, ``view[[0, 2]]``."""
@@ -150,9 +150,13 @@ class Part(View):
         whole = self.whole.labels(robot)
         return tuple(whole[index] for index in self.indices)
 
+    @cached_property
+    def _rows(self) -> slice | np.ndarray:
+        return as_slice(self.indices)
+
     def see(self, state: State) -> Seen:
         """Select the rows."""
-        rows = as_slice(self.indices)
+        rows = self._rows
         value, jacobian, drift, rate = self.whole(state)
         part = None if rate is None else rate[rows]
         return Seen(value[rows], jacobian[rows], drift[rows], part)

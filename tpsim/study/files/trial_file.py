@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tpsim.archive import read_members
 from tpsim.errors import RecordingError
+from tpsim.npz import read_members
 from tpsim.study.files.checked import from_json, to_json
 from tpsim.whole import whole_file
 from tpsim.world.trial import Channels, Trial

@@ -1,0 +1,77 @@
+"""The command that compares the methods of Section 8."""
+
+import shlex
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from tyro.conf import arg
+
+from tpsim.cli.options import Answer, Command, not_negative, positive
+from tpsim.errors import ArgumentError
+from tpsim.versions import cores
+
+
+@dataclass(frozen=True, kw_only=True)
+class Compare(Command):
+    """Measure the methods of the tutorial's Section 8, and yours, on the same situations."""
+
+    quick: bool = False
+    """One task, four demonstrations, two teachers: a minute instead of many."""
+    method: Annotated[tuple[str, ...], arg(metavar="FILE.PY:FUNCTION")] = ()
+    """Methods of your own beside the others: from demonstrations to a function of frames."""
+    data: Path | None = None
+    """Demonstrations of your own: each is left out once and predicted by the others."""
+    seed: int = 0
+    """Seed of the first teacher."""
+    workers: int | None = None
+    """Number of processes (default: one per core)."""
+    folder: Path | None = None
+    """Folder to write to, and to go on from (default: one in recordings/runs)."""
+
+    def check(self) -> None:
+        """Check the numbers, the folder and the file of demonstrations."""
+        not_negative("--seed", self.seed)
+        if self.workers is not None:
+            positive("--workers", self.workers)
+        if self.folder is not None and self.folder.is_file():
+            raise ArgumentError(f"--folder {self.folder} is a file; give a new or empty folder")
+        if self.data is not None and not self.data.exists():
+            raise ArgumentError(f"--data {self.data} does not exist; give a file or a folder")
+
+    def execute(self) -> Answer:
+        """Measure all methods, or go on where it stopped."""
+        from tpsim import paths
+        from tpsim.section8 import compare, compare_left_out
+        from tpsim.section8.methods import with_methods_from
+        from tpsim.section8.plan import QUICK, Plan
+        from tpsim.section8.tables import short
+
+        methods = with_methods_from(self.method)
+        kind = "data" if self.data else "quick" if self.quick else "full"
+        folder = self.folder or paths.runs() / f"compare-{kind}-seed-{self.seed}"
+        if self.data is not None:
+            from tpsim.data import read
+
+            taught = list(read(self.data))
+            result = compare_left_out(taught, methods, folder=folder, command=self._line())
+        else:
+            result = compare(
+                methods,
+                QUICK if self.quick else Plan(),
+                seed=self.seed,
+                folder=folder,
+                workers=self.workers or cores(),
+                progress=sys.stderr.isatty(),
+                command=self._line(),
+            )
+        return result if self.json else short(result)
+
+    def _line(self) -> str:
+        """Return the command line that repeats the comparison."""
+        words = ["tpsim", "compare", *(["--quick"] if self.quick else [])]
+        words += ["--method", *self.method] if self.method else []
+        words += ["--data", str(self.data)] if self.data else []
+        words += ["--seed", str(self.seed)] if self.seed else []
+        return shlex.join(words)

@@ -1,1 +1,0 @@
-"""Experiments: recordings, metrics, campaigns, reports and figures."""

@@ -1,0 +1,140 @@
+"""Task-parameterized trajectories: regression in every frame, their product, then one path."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tpsim.demonstration import Demonstration
+from tpsim.errors import ArgumentError
+from tpsim.frame import Frame
+from tpsim.gaussian import Gaussian
+from tpsim.learning.gmm import GMM
+from tpsim.learning.shrinkage import shrink_directions
+from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
+from tpsim.retrieval.clock import on_one_clock
+from tpsim.retrieval.distribution import fuse_frames
+from tpsim.retrieval.fit_tp_gmr import numbers_of
+from tpsim.retrieval.gmr import gmr
+from tpsim.retrieval.left_out import choose, left_out_scale
+from tpsim.retrieval.trajectory import trajectory
+
+COMPONENTS = (5, 8, 12)
+"""Numbers of components that are tried."""
+
+WITHOUT_CHOICE = 8  # where too few demonstrations leave no choice
+
+VELOCITY_SHARE = 0.25
+"""How much velocity counts beside position, of what Eq. 30 says.
+
+At the end of a movement every frame has seen it come to rest, so that even a frame that knows
+nothing of the goal claims to know the velocity there. Taken at its word, it drags the path: the
+error at the goal grows with the distance from the demonstrations (docs/comparison.md).
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class TPTrajectory:
+    """A movement of position and velocity over time; call it with the frames of a situation.
+
+    Attributes
+    ----------
+    model : TPGMM over [t, x, dx].
+    times : (T,), when it answers [s].
+    scale : factor of the covariance, sigma of Eq. 31.
+    errors : of demonstrations that were left out [m], for every number of components tried.
+    """
+
+    model: TPGMM
+    times: NDArray
+    scale: float = 1.0
+    errors: dict[int, float] = field(default_factory=dict)
+
+    def __call__(self, frames: Sequence[Frame | None]) -> Gaussian:
+        """Movement in new frames of the positions: mean (T, D), covariance (T, D, D).
+
+        Position and velocity are retrieved in every frame, multiplied over the frames at equal
+        time (Eqs 5-6), and the path that agrees best with both is returned (Eqs 30-31). None
+        stands for a frame that is not observed.
+        """
+        if len(frames) != len(self._views) or all(frame is None for frame in frames):
+            raise ArgumentError(
+                f"{len(frames)} frames were given; the model has {len(self._views)}, of which one "
+                "at least must be observed"
+            )
+        seen = [
+            (view, frame.with_derivatives(1))
+            for view, frame in zip(self._views, frames, strict=True)
+            if frame is not None
+        ]
+        fused = fuse_frames([view for view, _ in seen], [frame for _, frame in seen])
+        doubt = np.ones(fused.dim)
+        doubt[fused.dim // 2 :] = VELOCITY_SHARE**-0.5
+        return trajectory(
+            fused.mean,
+            fused.covariance * doubt[:, None] * doubt,
+            float(self.times[1] - self.times[0]),
+            derivatives=1,
+            scale=self.scale,
+        )
+
+    @cached_property
+    def _views(self) -> list[Gaussian]:
+        """Regression in every frame, which no situation changes."""
+        return [gmr(GMM(self.model.priors, frame), self.times) for frame in self.model.frames]
+
+
+def fit_tp_trajectory(
+    demonstrations: Sequence[Demonstration],
+    components: int | Iterable[int] = COMPONENTS,
+    *,
+    shrunk: bool = True,
+) -> TPTrajectory:
+    """Learn a TP-GMM over time, position and velocity whose path generalises to new frames.
+
+    What a frame says of velocity ties the steps of the movement together, so that the frames
+    agree on a path and not on every step by itself (Section 5.2, with time as the input).
+
+    Parameters
+    ----------
+    demonstrations
+        M demonstrations with the same frames, of any lengths; they are brought on one clock
+        (:func:`tpsim.retrieval.clock.on_one_clock`), at which the movement is retrieved.
+    components
+        Number of components K, or the numbers to choose from by demonstrations that are left
+        out. Fewer than three demonstrations leave no choice: the number nearest to 8 is taken.
+    shrunk
+        Shrink covariances towards equal spread in all directions of space
+        (:func:`tpsim.learning.shrinkage.shrink_directions`).
+
+    Raises
+    ------
+    ArgumentError
+        No demonstration, too few samples, or what :func:`fit_tp_gmm` refuses.
+
+    Notes
+    -----
+    Eq. 31 takes the steps as independent, which the steps of a demonstration are not: its
+    covariance is too small. ``scale`` is the mean squared distance of demonstrations that were
+    left out, in units of that covariance; T / K with fewer than three demonstrations, the number
+    of steps that share a component.
+    """
+    demonstrations = on_one_clock(demonstrations)
+    numbers = numbers_of(components)
+
+    def fit(K: int, taught: list[Demonstration]) -> TPTrajectory:
+        return TPTrajectory(_model(taught, K, shrunk), taught[0].time)
+
+    middle = min(numbers, key=lambda K: abs(K - WITHOUT_CHOICE))
+    best, errors = choose({K: partial(fit, K) for K in numbers}, demonstrations, middle)
+    scale = left_out_scale(partial(fit, best), demonstrations)
+    steps = len(demonstrations[0]) / best
+    return replace(fit(best, demonstrations), scale=scale or steps, errors=errors)
+
+
+def _model(demonstrations: list[Demonstration], components: int, shrunk: bool) -> TPGMM:
+    moving = [demonstration.with_derivatives(1).with_time() for demonstration in demonstrations]
+    model = fit_tp_gmm(moving, components, start="time")
+    return shrink_directions(model, len(moving), blocks=2) if shrunk else model

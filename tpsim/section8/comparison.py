@@ -1,0 +1,120 @@
+"""The comparison of Section 8: learn, retrieve, measure, and write it all down."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from pathlib import Path
+
+from tpsim.errors import ArgumentError
+from tpsim.section8 import pictures, tables
+from tpsim.section8.families import FAMILIES
+from tpsim.section8.method import Method
+from tpsim.section8.methods import METHODS, PICTURED
+from tpsim.section8.plan import Plan
+from tpsim.section8.report import write_comparison_report
+from tpsim.section8.results import Results
+from tpsim.section8.run import run
+from tpsim.study.canvas import to_png
+from tpsim.whole import whole_file, write_text
+
+
+def compare(
+    methods: Mapping[str, Method] = METHODS,
+    plan: Plan | None = None,
+    *,
+    seed: int = 0,
+    folder: Path,
+    workers: int = 1,
+    progress: bool = False,
+    command: str = "tpsim compare",
+) -> dict[str, object]:
+    """Compare methods on the same demonstrations and in the same situations.
+
+    Parameters
+    ----------
+    methods
+        By name, such as ``{**METHODS, "mine": f}``: f learns from a list of demonstrations and
+        returns a function from the frames of a situation to the movement, a Gaussian (T, D) or
+        an array (T, D). One that raises becomes a row with its reason.
+    plan
+        How much to compare; by default everything, some minutes on two cores.
+    seed
+        Added to the seeds of the plan's teachers.
+    folder
+        Where to write. What it already holds of the same plan and methods is not done again.
+    workers
+        Number of processes.
+    progress
+        Show a bar on standard error.
+    command
+        The command line that repeats it, for the report.
+
+    Returns
+    -------
+    dict
+        ``methods``: for every name its figures over all situations of the tutorial's own task,
+        and ``reason`` where it failed; ``plan``; ``paths`` of what was written.
+
+    Raises
+    ------
+    ArgumentError
+        No method, or a plan with nothing in it.
+    """
+    plan = Plan() if plan is None else plan
+    plan = replace(plan, seeds=tuple(seed + s for s in plan.seeds))
+    _check(methods, plan)
+    results = Results(plan, run(plan, methods, folder, workers, progress))
+    drawn = _pictures(results, methods, folder)
+    main = tables.main_table(results)
+    paths = {
+        "folder": folder,
+        "table": tables.write_csv(folder / "comparison.csv", list(results.rows())),
+        "latex": write_text(folder / "comparison.tex", tables.latex(main)),
+        "pictures": drawn,
+        "json": folder / "comparison.json",
+        "report": folder / "report.html",
+    }
+    result: dict[str, object] = {"methods": results.summary(), "plan": asdict(plan), "paths": paths}
+    tables.write_json(folder / "comparison.json", result)
+    write_comparison_report(folder / "report.html", results, drawn, command)
+    return result
+
+
+def _pictures(results: Results, methods: Mapping[str, Method], folder: Path) -> list[Path]:
+    plan = results.plan
+    (family, count), seed = results.headline, plan.seeds[0]
+    situations = [
+        FAMILIES[family].situations(1, distance, plan.samples, seed)[0]
+        for distance in plan.distances
+    ]
+    taught = FAMILIES[family].demonstrations(count, plan.samples, seed)
+    columns = [(taught, situation) for situation in situations]
+    shown = {n: m for n, m in methods.items() if n in PICTURED or n not in METHODS}
+    titles = [f"{distance:g} x the spread" for distance in plan.distances]
+    figures = {
+        "layout": pictures.layout(shown or methods, columns, titles),
+        "error-against-distance": pictures.against_distance(results),
+    }
+    if len(plan.counts) > 1:
+        far = plan.distances[-1]
+        figures["error-against-demonstrations"] = pictures.against_demonstrations(results, far)
+    paths = []
+    for name, figure in figures.items():
+        path = folder / f"{name}.png"
+        with whole_file(path) as file:
+            file.write(to_png(figure, dpi=110))
+        paths.append(path)
+    return paths
+
+
+def _check(methods: Mapping[str, Method], plan: Plan) -> None:
+    if not methods:
+        raise ArgumentError("there is no method to compare; give at least one")
+    if unknown := [family for family in plan.families if family not in FAMILIES]:
+        raise ArgumentError(f"families {unknown} are not known; there are {', '.join(FAMILIES)}")
+    if not (plan.families and plan.counts and plan.seeds and plan.distances):
+        raise ArgumentError("the plan has nothing in it; see tpsim.section8.plan.Plan")
+    if min(plan.counts) < 1 or plan.situations < 1 or plan.samples < 4:
+        raise ArgumentError(
+            f"the plan has counts {plan.counts}, {plan.situations} situations and {plan.samples} "
+            "samples; the least are 1, 1 and 4"
+        )

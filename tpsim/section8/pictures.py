@@ -1,0 +1,140 @@
+"""Pictures: the layout of Figs 12 to 14, error against distance, error against demonstrations."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from tpsim.demonstration import Demonstration
+from tpsim.gaussian import Gaussian
+from tpsim.plot import frames as draw_frames
+from tpsim.plot import tube
+from tpsim.section8.families import Situation
+from tpsim.section8.method import Method, Path
+from tpsim.section8.results import Results
+from tpsim.section8.trial import learn, retrieved
+from tpsim.study.canvas import INK, PALETTE, new_figure
+
+CURVES = ("TP-GMM", "TP-GMR", "TP-GMR product", "TP-trajGMM", "TP-ProMP", "DMP", "GPR", "PGMM")
+"""Methods whose curves are drawn in colour; the others are faint."""
+
+COLOURS = (*PALETTE, "#4d5b66", "#b0892f")
+
+
+Column = tuple[Sequence[Demonstration], Situation]
+"""What was taught, and where it is asked for."""
+
+
+def layout(
+    methods: Mapping[str, Method], columns: Sequence[Column], titles: Sequence[str]
+) -> Figure:
+    """Draw a row per method and a column per situation, with covariances (Figs 12 to 14).
+
+    The teacher's own movement is dashed.
+    """
+    size = (1.9 * len(columns) + 1.1, 1.15 * len(methods) + 0.3)
+    figure = Figure(figsize=size, layout="constrained")
+    grid = figure.subplots(len(methods), len(columns), squeeze=False, sharex="col")
+    for axes, (name, method) in zip(grid, methods.items(), strict=True):
+        learned = {id(taught): learn(method, list(taught)) for taught, _ in columns}
+        for axis, (taught, situation) in zip(axes, columns, strict=True):
+            retrieve, reason = learned[id(taught)]
+            path = None
+            if retrieve is not None:
+                path, reason = retrieved(retrieve, situation)
+            _draw(axis, taught, situation, path, reason)
+        axes[0].set_ylabel(name, color=INK, fontsize=8, rotation=0, ha="right", va="center")
+    for axis, title in zip(grid[0], titles, strict=True):
+        axis.set_title(title, fontsize=8, color=INK)
+    return figure
+
+
+def _draw(
+    axis: Axes,
+    demonstrations: Sequence[Demonstration],
+    situation: Situation,
+    path: Path | None,
+    reason: str,
+) -> None:
+    truth = _plane(situation.truth.data)
+    taught = [_plane(demonstration.data) for demonstration in demonstrations]
+    for line in taught:
+        axis.plot(*line.T, color=INK, lw=0.6, alpha=0.3)
+    axis.plot(*truth.T, color=INK, lw=0.8, ls=(0, (3, 2)))
+    if path is None:
+        axis.text(0.5, 0.5, reason[:40], fontsize=5, ha="center", transform=axis.transAxes)
+    elif isinstance(path, Gaussian) and path.dim > 1:
+        tube(axis, path.marginal([0, 1]), colour=PALETTE[0])
+    else:
+        x = path.mean if isinstance(path, Gaussian) else np.asarray(path)
+        axis.plot(*_plane(x).T, color=PALETTE[0], lw=1.8)
+    draw_frames(axis, [f for f in situation.frames if f is not None and f.A.shape == (2, 2)])
+    shown = np.vstack([truth, *taught])
+    margin = 0.15 * np.ptp(shown)
+    low, high = shown.min(0) - margin, shown.max(0) + margin
+    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xticks=[], yticks=[], aspect="equal")
+    axis.spines[:].set_visible(False)
+
+
+def _plane(x: NDArray) -> NDArray:
+    """First two coordinates (T, 2) of a movement, or progress and the only one."""
+    return x[:, :2] if x.shape[1] > 1 else np.column_stack([np.linspace(0, 1, len(x)), x])
+
+
+def against_distance(results: Results, figure: str = "rms") -> Figure:
+    """Draw a figure over the distance of the situations, with 95 % intervals."""
+    family, count = results.headline
+    estimates = [results.estimate(family, count, d, figure) for d in results.plan.distances]
+    curves = np.array([[e.mean, e.low, e.high] for e in estimates])
+    drawing = _curves(results, np.array(results.plan.distances), curves)
+    axis = drawing.axes[0]
+    axis.set(
+        xlabel="spread of the situations, times that of the demonstrations",
+        ylabel=f"{figure} [m]",
+        xscale="log",
+        yscale="log",
+    )
+    axis.set_xticks(results.plan.distances, [f"{d:g}" for d in results.plan.distances])
+    axis.minorticks_off()
+    return drawing
+
+
+def against_demonstrations(results: Results, distance: float, figure: str = "rms") -> Figure:
+    """Draw a figure at a distance over the number of demonstrations, with 95 % intervals."""
+    family, _ = results.headline
+    counts = results.plan.counts
+    estimates = [results.estimate(family, count, distance, figure) for count in counts]
+    curves = np.array([[e.mean, e.low, e.high] for e in estimates])
+    drawing = _curves(results, np.array(counts, float), curves)
+    axis = drawing.axes[0]
+    axis.set(
+        xlabel="demonstrations",
+        ylabel=f"{figure} at {distance:g} times the spread [m]",
+        xscale="log",
+        yscale="log",
+    )
+    axis.set_xticks(counts, map(str, counts))
+    axis.minorticks_off()
+    return drawing
+
+
+def _curves(results: Results, at: NDArray, curves: NDArray) -> Figure:
+    """Draw curves (n, 3, m) of mean, low and high over n places."""
+    figure, (axis,) = new_figure(height=3.8)
+    coloured = dict(zip((c for c in CURVES if c in results.methods), COLOURS, strict=False))
+    for m, name in enumerate(results.methods):
+        mean, low, high = curves[:, :, m].T
+        if not np.isfinite(mean).any():
+            continue
+        if name not in coloured:
+            axis.plot(at, mean, color=INK, lw=0.7, alpha=0.25)
+            continue
+        axis.fill_between(at, low, high, color=coloured[name], alpha=0.18, lw=0)
+        axis.plot(at, mean, color=coloured[name], lw=1.8, marker="o", ms=3, label=name)
+    if axis.get_legend_handles_labels()[1]:
+        axis.legend(
+            loc="center left", bbox_to_anchor=(1, 0.5), frameon=False, fontsize=8, labelcolor=INK
+        )
+    return figure

@@ -1,0 +1,55 @@
+"""How much is compared: families, numbers of demonstrations, teachers, distances, situations."""
+
+import hashlib
+import inspect
+import itertools
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+from tpsim.section8.families import FAMILIES
+from tpsim.section8.method import Method
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a comparison goes through; every cell of it is one file of results.
+
+    Parameters
+    ----------
+    families : names out of :data:`tpsim.section8.families.FAMILIES`
+    counts : numbers of demonstrations
+    seeds : one teacher each
+    distances : spreads of the situations; the demonstrations have 1
+    situations : number for every distance and teacher
+    samples : of every movement
+    """
+
+    families: tuple[str, ...] = tuple(FAMILIES)
+    counts: tuple[int, ...] = (2, 4, 8)
+    seeds: tuple[int, ...] = (0, 1, 2, 3, 4)
+    distances: tuple[float, ...] = (0.5, 1.0, 2.0, 4.0)
+    situations: int = 30
+    samples: int = 100
+
+    def cells(self) -> list[tuple[str, int, int]]:
+        """Family, number of demonstrations and seed of every cell."""
+        return list(itertools.product(self.families, self.counts, self.seeds))
+
+    def key(self, cell: tuple[str, int, int], methods: Mapping[str, Method]) -> str:
+        """Words that change with anything that a cell's results depend on."""
+        settings = asdict(self) | {"families": None, "counts": None, "seeds": None}
+        named = {name: _source(method) for name, method in methods.items()}
+        return hashlib.sha256(json.dumps([cell, settings, named]).encode()).hexdigest()
+
+
+QUICK = Plan(families=("transfer",), counts=(4,), seeds=(0, 1), situations=15, samples=60)
+"""A minute's worth: one family, one number of demonstrations, two teachers."""
+
+
+def _source(method: Method) -> str:
+    """Source text of a method, or its name where there is none."""
+    try:
+        return inspect.getsource(method)
+    except (OSError, TypeError):
+        return repr(getattr(method, "__qualname__", type(method).__qualname__))

@@ -1,0 +1,159 @@
+"""All methods on the same demonstrations and the same situations; a failure is a row."""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tpsim.demonstration import Demonstration
+from tpsim.npz import read_members, write_members
+from tpsim.section8.families import Situation
+from tpsim.section8.measures import FIGURES, measure
+from tpsim.section8.method import Method, Path, Retrieve
+
+KIND = "comparison of methods"
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """What all methods did after the same demonstrations.
+
+    Parameters
+    ----------
+    methods : (m,) names
+    figures : (m, n, f)
+        Figures of :data:`FIGURES` in n situations; NaN where a method failed or has no such.
+    train_ms, adapt_us : (m,)
+        Processor time of learning, and of one retrieval (median).
+    parameters : (m,)
+        Numbers that a method keeps; NaN where it does not say.
+    reasons : (m,)
+        Why a method failed; empty where it did not.
+    """
+
+    methods: tuple[str, ...]
+    figures: NDArray
+    train_ms: NDArray
+    adapt_us: NDArray
+    parameters: NDArray
+    reasons: tuple[str, ...]
+
+    def save(self, path: FilePath, key: str) -> None:
+        """Write to an archive that remembers what it is the result of."""
+        arrays = {
+            "key": np.array(key),
+            "methods": np.array(self.methods),
+            "figures": self.figures,
+            "train_ms": self.train_ms,
+            "adapt_us": self.adapt_us,
+            "parameters": self.parameters,
+            "reasons": np.array(self.reasons),
+        }
+        write_members(path, {"kind": np.array(KIND), **arrays})
+
+    @classmethod
+    def load(cls, path: FilePath, key: str) -> "Trial | None":
+        """Read what :meth:`save` wrote; None where it is the result of something else."""
+        arrays = read_members(path)
+        if str(arrays.get("kind")) != KIND or str(arrays["key"]) != key:
+            return None
+        return cls(
+            tuple(map(str, arrays["methods"])),
+            arrays["figures"],
+            arrays["train_ms"],
+            arrays["adapt_us"],
+            arrays["parameters"],
+            tuple(map(str, arrays["reasons"])),
+        )
+
+
+def perform(
+    methods: Mapping[str, Method],
+    demonstrations: Sequence[Demonstration],
+    situations: Sequence[Situation],
+) -> Trial:
+    """Learn with every method and retrieve in every situation.
+
+    Parameters
+    ----------
+    methods
+        By name.
+    demonstrations
+        On one clock.
+    situations
+        With the teacher's own movement, at the same times.
+    """
+    rows = [_row(method, list(demonstrations), situations) for method in methods.values()]
+    return Trial(
+        tuple(methods),
+        np.array([row.figures for row in rows]),
+        np.array([row.train_ms for row in rows]),
+        np.array([row.adapt_us for row in rows]),
+        np.array([row.parameters for row in rows]),
+        tuple(row.reason for row in rows),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Row:
+    figures: NDArray
+    train_ms: float = np.nan
+    adapt_us: float = np.nan
+    parameters: float = np.nan
+    reason: str = ""
+
+
+def learn(method: Method, demonstrations: list[Demonstration]) -> tuple[Retrieve | None, str]:
+    """Learned retrieval, or None and the reason why there is none."""
+    try:
+        retrieve = method(demonstrations)
+    except Exception as error:  # a method is anybody's code: its failure is a result
+        return None, _reason(error)
+    return (retrieve, "") if callable(retrieve) else (None, "learned nothing that can be called")
+
+
+def retrieved(retrieve: Retrieve, situation: Situation) -> tuple[Path | None, str]:
+    """Movement in a situation, or None and the reason why there is none."""
+    try:
+        return retrieve(situation.frames), ""
+    except Exception as error:  # as above
+        return None, _reason(error)
+
+
+def _row(
+    method: Method, demonstrations: list[Demonstration], situations: Sequence[Situation]
+) -> _Row:
+    figures = np.full((len(situations), len(FIGURES)), np.nan)
+    start = time.process_time()
+    retrieve, reason = learn(method, demonstrations)
+    train_ms = 1e3 * (time.process_time() - start)
+    if retrieve is None:
+        return _Row(figures, reason=reason)
+    took, reasons = [], []
+    for n, situation in enumerate(situations):
+        start = time.process_time()
+        path, reason = retrieved(retrieve, situation)
+        took.append(1e6 * (time.process_time() - start))
+        if path is not None:
+            try:
+                figures[n] = list(measure(path, situation.truth, situation.drawn).values())
+            except Exception as error:  # what it returned may be no movement at all
+                reason = _reason(error)
+        reasons.append(reason)
+    failed = [reason for reason in reasons if reason]
+    count = f" ({len(failed)} of {len(situations)} situations)" if failed else ""
+    return _Row(
+        figures,
+        train_ms,
+        float(np.median(took)),
+        float(getattr(retrieve, "parameters", np.nan)),
+        failed[0] + count if failed else "",
+    )
+
+
+def _reason(error: Exception) -> str:
+    text = " ".join(str(error).split()) or type(error).__name__
+    return text if len(text) <= 200 else text[:197] + "..."

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from tpsim.archive import load_arrays, save_arrays
 from tpsim.control.poses import SeenMovement
 from tpsim.deploy.recipes import (
     FixedRecipe,
@@ -25,6 +24,7 @@ from tpsim.deploy.sensed import objects_in
 from tpsim.deploy.values import Reader, taken_apart
 from tpsim.errors import ArgumentError, RecordingError, TpsimError
 from tpsim.gaussian import Gaussian
+from tpsim.npz import read_members, write_members
 from tpsim.pose import Pose
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.direction import Bearing, Direction
@@ -93,7 +93,7 @@ def write(folder: Path, content: Content, robot: Robot, world: "World") -> Path:
     arrays: dict = {}
     values = taken_apart(_Whole(RobotFile.of(robot.mechanism), content), arrays)
     with whole_folder(folder) as new:
-        path = save_arrays(new / ARRAYS, "policy", arrays)
+        path = write_members(new / ARRAYS, arrays)
         about = {"schema": SCHEMA, "arrays": checksum(path.read_bytes()), "policy": values}
         write_text(new / POLICY, to_json(about, indent=1))
         write_text(new / SCENE, world.xml)
@@ -119,7 +119,7 @@ def read(folder: Path, views: Sequence[type[View]] = ()) -> tuple[Content, Robot
     if checksum(read_inside(folder, ARRAYS, _MOST)) != about.get("arrays"):
         raise RecordingError(f"{folder / ARRAYS} is damaged or of another policy; export it again")
     kinds = {kind.__name__: kind for kind in (*_PARTS, *_RECIPES, *_VIEWS, *views)}
-    reader = Reader(kinds, load_arrays(folder / ARRAYS, "policy"), where)
+    reader = Reader(kinds, read_members(folder / ARRAYS), where)
     whole = cast(_Whole, reader.read(about.get("policy"), _Whole))
     robot = Robot(whole.robot.mechanism())
     try:

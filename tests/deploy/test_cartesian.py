@@ -152,12 +152,12 @@ def test_a_cartesian_controller_keeps_the_task(learned, folder_of):
     task, models = learned("MinimalIntervention")
     situation = draw_situation(task, 0, 0)
     control = CartesianControl(Policy.load(folder_of("MinimalIntervention")))
-    people = (Push("left_gripper", (0.0, 20.0, 0.0), 2.0, 1.5),)
+    people = (Push("left_gripper", (0.0, 20.0, 0.0), 0.8, 0.8),)
     errors = {}
     for name, controller in (("joints", None), ("hands", control)):
-        trial = perform(task, models, situation, controller=controller, people=people, duration=3.5)
+        trial = perform(task, models, situation, controller=controller, people=people, duration=1.8)
         assert trial.outcome == "done"
-        states = [task.stage.robot.at(q) for q in trial["q"][200::5]]
+        states = [task.stage.robot.at(q) for q in trial["q"][80::5]]
         for goal, wanted in task.goals().items():
             seen = [np.linalg.norm(wanted.view(state).value) for state in states]
             errors[name, goal] = np.sqrt(np.mean(np.square(seen)))

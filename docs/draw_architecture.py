@@ -24,7 +24,7 @@ FLOORS = (
     ("scene", "film"),
     ("task",),
     ("study",),
-    ("tasks",),
+    ("tasks", "deploy"),
     ("lab", "section8", "data", "bench", "plot", "gallery"),
     ("cli",),
 )
@@ -41,6 +41,7 @@ WHAT = {
     "task": "Task, situations, teach, learn, perform",
     "study": "conditions, measures, run, replay, report",
     "tasks": "cup and sugar, pointing, tracking, transfer",
+    "deploy": "policies for real arms",
     "lab": "all of it, flat",
     "section8": "the comparison",
     "data": "files of users",

@@ -21,7 +21,7 @@ FLOORS = (
     ("scene", "film"),
     "task",
     "study",
-    "tasks",
+    ("tasks", "deploy"),
     ("lab", "section8", "data", "bench", "play", "gallery"),
     "cli",
 )

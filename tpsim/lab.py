@@ -44,6 +44,8 @@ from tpsim.controllers.pursuit import Pursuit as Pursuit
 from tpsim.controllers.renewed import FixedImpedance as FixedImpedance
 from tpsim.controllers.renewed import RenewedImpedance as RenewedImpedance
 from tpsim.controllers.timed_intervention import TimedIntervention as TimedIntervention
+from tpsim.deploy.cartesian import CartesianLimits as CartesianLimits
+from tpsim.deploy.policy import Policy as Policy
 from tpsim.film.clip import Clip as Clip
 from tpsim.pose import Pose as Pose
 from tpsim.robot.robot import Robot as Robot

@@ -51,7 +51,7 @@ def skill(planar3_world):
 def with_speed(world, limit):
     robot = world.robot
     description = replace(robot.description, velocity_limit=(limit,) * robot.n)
-    return Robot(robot.model, description)
+    return Robot.of(robot.model, description)
 
 
 def at(robot):

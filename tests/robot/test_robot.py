@@ -40,23 +40,23 @@ def robot(request, awkward, cup_world, jaco_robot):
 
 
 def test_mass_bias_poses_and_jacobians_agree(robot):
-    model, rng = robot.model, np.random.default_rng(0)
+    model, rng, dof = robot.model, np.random.default_rng(0), robot.simulated.dof
     data, M, J = mujoco.MjData(model), np.zeros((model.nv, model.nv)), np.zeros((6, model.nv))
     for _ in range(50):
         q, dq = rng.uniform(-2, 2, (2, robot.n))
-        data.qpos[robot.qpos], data.qvel[robot.dof] = q, dq
+        data.qpos[robot.simulated.qpos], data.qvel[dof] = q, dq
         mujoco.mj_forward(model, data)
         mujoco.mj_fullM(model, data, M)
         state = robot.at(q, dq)
-        np.testing.assert_allclose(state.mass, M[np.ix_(robot.dof, robot.dof)], atol=1e-10)
-        np.testing.assert_allclose(state.bias, data.qfrc_bias[robot.dof], atol=1e-10)
+        np.testing.assert_allclose(state.mass, M[np.ix_(dof, dof)], atol=1e-10)
+        np.testing.assert_allclose(state.bias, data.qfrc_bias[dof], atol=1e-10)
         for name in robot.sites:
             site, pose = model.site(name).id, state.pose(name)
             mujoco.mj_jacSite(model, data, J[:3], J[3:], site)
             np.testing.assert_allclose(pose.position, data.site_xpos[site], atol=1e-10)
             np.testing.assert_allclose(pose.rotation.ravel(), data.site_xmat[site], atol=1e-10)
-            np.testing.assert_allclose(state.jacobian(name), J[:, robot.dof], atol=1e-10)
-            np.testing.assert_allclose(state.twist(name), J[:, robot.dof] @ dq, atol=1e-9)
+            np.testing.assert_allclose(state.jacobian(name), J[:, dof], atol=1e-10)
+            np.testing.assert_allclose(state.twist(name), J[:, dof] @ dq, atol=1e-9)
 
 
 def test_gravity_torque_is_the_bias_at_rest(robot):
@@ -68,10 +68,10 @@ def test_springs_of_joints_belong_to_the_bias():
     xml = AWKWARD.replace('name="a"', 'name="a" stiffness="7" springref="0.2"')
     robot = Robot.from_mjcf(xml, {"hand": "tip"}, torque_limit=LIMITS, home=(0.1, 0.2, 0.0))
     data = mujoco.MjData(robot.model)
-    data.qpos[robot.qpos] = q = np.array([0.5, -0.3, 0.1])
+    data.qpos[robot.simulated.qpos] = q = np.array([0.5, -0.3, 0.1])
     mujoco.mj_forward(robot.model, data)
     held = data.qfrc_bias - data.qfrc_spring
-    np.testing.assert_allclose(robot.at(q).bias, held[robot.dof], atol=1e-10)
+    np.testing.assert_allclose(robot.at(q).bias, held[robot.simulated.dof], atol=1e-10)
 
 
 def test_states_need_the_right_number_of_joints(awkward):

@@ -29,9 +29,9 @@ def test_payload_adds_mass_at_the_hands_alone(cup_world):
     loads = []
     for m in (cup_world.model, model):
         data = mujoco.MjData(m)
-        data.qpos[cup_world.robot.qpos] = cup_world.robot.home
+        data.qpos[cup_world.robot.simulated.qpos] = cup_world.robot.home
         mujoco.mj_forward(m, data)
-        loads.append(data.qfrc_bias[cup_world.robot.dof].copy())
+        loads.append(data.qfrc_bias[cup_world.robot.simulated.dof].copy())
     weight = np.array([0, 0, 0.3 * 9.81, 0, 0, 0])
     hands = cup_world.robot.hands.values()
     expected = sum(cup_world.robot.at_home.jacobian(site).T @ weight for site in hands)

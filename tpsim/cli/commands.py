@@ -14,9 +14,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from tyro.conf import FlagCreatePairsOff, Positional, arg
 
 from tpsim.cli.comparison import Compare
+from tpsim.cli.export import Export
 from tpsim.cli.options import (
     Answer,
     Command,
+    Learning,
     SeededCommand,
     StudyCommand,
     not_negative,
@@ -89,22 +91,6 @@ class Teach(SeededCommand):
         return teaching.teach(
             study, count=self.count, seed=self.seed, folder=self.folder, command=line
         )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Learning(StudyCommand):
-    """What every command has that starts from recorded demonstrations."""
-
-    demonstrations: Path | None = None
-    """Folder that tpsim teach wrote (default: recordings/demonstrations)."""
-
-    def check(self) -> None:
-        """Check the demonstrations' folder."""
-        super().check()
-        if self.demonstrations is not None and not self.demonstrations.is_dir():
-            raise ArgumentError(
-                f"--demonstrations {self.demonstrations}: give a folder that tpsim teach wrote"
-            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -280,7 +266,7 @@ def _say(name: str) -> None:
 COMMANDS: Mapping[str, type[Command | StudyCommand]] = {
     command.__name__.lower(): command
     for command in (
-        *(Run, Teach, Learn, Reproduce, Push, Replay, Data),
+        *(Run, Teach, Learn, Reproduce, Push, Replay, Export, Data),
         *(Compare, Bench, Demo, Doctor),
     )
 }

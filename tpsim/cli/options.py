@@ -85,6 +85,22 @@ class SeededCommand(StudyCommand):
         not_negative("--seed", self.seed)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Learning(StudyCommand):
+    """What every command has that starts from recorded demonstrations."""
+
+    demonstrations: Path | None = None
+    """Folder that tpsim teach wrote (default: recordings/demonstrations)."""
+
+    def check(self) -> None:
+        """Check the demonstrations' folder."""
+        super().check()
+        if self.demonstrations is not None and not self.demonstrations.is_dir():
+            raise ArgumentError(
+                f"--demonstrations {self.demonstrations}: give a folder that tpsim teach wrote"
+            )
+
+
 def nearest(given: str, names: Iterable[str]) -> str:
     """``"; did you mean 'x'?"``, or nothing where no name is near."""
     near = difflib.get_close_matches(given, list(names), n=1, cutoff=0.5)

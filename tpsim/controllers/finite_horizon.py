@@ -34,7 +34,7 @@ SINGULAR = 0.05
 """Mobility [1/kg], [1/(kg m^2)] below which the arm counts as unable to move its hand."""
 
 PERIOD = 8
-"""Time steps for which stiffness, damping and the velocity of the reference last."""
+"""Time steps for which an impedance lasts by default."""
 
 POSTURES = 40
 """Number of taught postures in which the cost of torque is computed, at least."""
@@ -70,6 +70,8 @@ class FiniteHorizon(RenewedImpedance):
         Time step of the plan [s]. No gain is faster than it: natural frequencies stay below 1/dt.
     effort : float
         Cost r of torque [1/(Nm)^2], against the log-likelihood of the movement.
+    every : int
+        Time steps for which stiffness, damping and the velocity of the reference last.
     """
 
     def __init__(
@@ -83,24 +85,25 @@ class FiniteHorizon(RenewedImpedance):
         site: str,
         dt: float,
         effort: float,
+        every: int = PERIOD,
     ):
-        super().__init__(PERIOD)
-        self._robot, self._site, self._movements = robot, site, movements
-        self._objects = tuple(objects)
+        super().__init__(every)
+        self.objects, self.movements, self.posture = tuple(objects), tuple(movements), posture
+        self.joints, self.site, self.dt, self.effort = tuple(joints), site, dt, effort
+        self._robot = robot
         first = robot.joints.index(joints[0])
         self._arm = slice(first, first + len(joints))
         if robot.joints[self._arm] != tuple(joints):
             raise ArgumentError(f"joints {joints} do not follow each other on the robot")
-        self._system, self._dt = integrator(6, dt, exact=True), dt
+        self._system = integrator(6, dt, exact=True)
         self._steps, self._tail = len(movements[0]), round(TAIL / dt)
-        self._posture = posture.mean
         # The costs of torque change slowly: one posture stands for some of its neighbours.
         some = posture[:: max(1, self._steps // POSTURES)]
         near = np.linspace(0, len(some.mean) - 1, self._steps).round().astype(int)
         mass, cost = self._torques(some.mean)
         swivels = impedance(some.precision, effort * mass @ mass)
         self._swivels, self._swivel_brakes = (gains[near] for gains in swivels)
-        self._effort = effort * cost[near]
+        self._costs = effort * cost[near]
         self._weakest = (STRENGTH * robot.torque_limit[self._arm]) ** -2.0
         self._rest: np.ndarray | None = None
         self._seen: np.ndarray | None = None
@@ -117,7 +120,7 @@ class FiniteHorizon(RenewedImpedance):
         for posture in postures:
             q[arm] = posture
             state = robot.at(q)
-            M, J = state.mass[arm, arm], state.jacobian(self._site)[:, arm]
+            M, J = state.mass[arm, arm], state.jacobian(self.site)[:, arm]
             inertia = self._felt_inertia(M, J)
             masses.append(M)
             costs.append(inertia @ J @ J.T @ inertia)
@@ -152,7 +155,7 @@ class FiniteHorizon(RenewedImpedance):
         damping[arm, arm] = null @ self._swivel_brakes[step]
         damping[arm, arm] += lever @ self._brakes[step - self._first] @ J
         y = np.append(seen.value, 1.0)
-        pull = lever @ (spring @ y) + swivel @ (self._posture[step] - state.q[arm])
+        pull = lever @ (spring @ y) + swivel @ (self.posture.mean[step] - state.q[arm])
         # Only what pulls is cut: the brakes must hold what it has set in motion.
         cut = max(1.0, np.sqrt(pull * pull @ self._weakest))
         stiffness[arm, arm] /= cut
@@ -166,20 +169,20 @@ class FiniteHorizon(RenewedImpedance):
     def _look(self, state: State, time: float) -> None:
         """Plan, if there is none or an object has moved since."""
         self._next_look = time + LOOK - 1e-9
-        objects = [state.objects[name].pose for name in self._objects]
+        objects = [state.objects[name].pose for name in self.objects]
         seen = np.concatenate([part.ravel() for pose in objects for part in pose])
         if self._seen is None or np.abs(seen - self._seen).max() > MOVED:
             self._seen = seen
-            self._plan(min(round(time / self._dt), self._steps - 1), objects)
+            self._plan(min(round(time / self.dt), self._steps - 1), objects)
 
     def _plan(self, first: int, poses: Sequence[Pose]) -> None:
         """Make the law from a step of the movement to its end."""
-        rest = [movement.from_step(first) for movement in self._movements]
+        rest = [movement.from_step(first) for movement in self.movements]
         reference = poses[-1][0] @ rest[-1].reference
         means, precisions, fused = fuse_poses(rest, poses, reference)
         turning = np.broadcast_to(np.eye(6), precisions.shape[1:]).copy()
         turning[:, 3:, 3:] = rotation.left_jacobian(fused[:, 3:])
-        effort = turning.mT @ self._effort[first:] @ turning
+        effort = turning.mT @ self._costs[first:] @ turning
         # The last law is that of a long horizon, since it is kept for ever.
         means, precisions, (effort,) = (
             np.concatenate([part, np.repeat(part[:, -1:], self._tail, axis=1)], axis=1)
@@ -190,13 +193,13 @@ class FiniteHorizon(RenewedImpedance):
         self._first, self._brakes = first, feedback.gain[kept, :, 6:]
         self._springs = np.dstack([-feedback.gain[..., :6], feedback.feedforward])[kept]
         self._slopes = np.diff(self._springs, axis=0)
-        self._view = SiteView(self._site, None, "pose", as_rotation(reference))
+        self._view = SiteView(self.site, None, "pose", as_rotation(reference))
 
     def _law(self, time: float) -> tuple[int, np.ndarray, np.ndarray]:
         """Step of the movement, and spring there with its rate of change, linear between steps."""
-        since = time / self._dt - self._first
+        since = time / self.dt - self._first
         k = min(max(int(since), 0), len(self._slopes) - 1)
         share = min(max(since - k, 0.0), 1.0)
-        rate = self._slopes[k] / self._dt if share < 1 else np.zeros_like(self._slopes[k])
+        rate = self._slopes[k] / self.dt if share < 1 else np.zeros_like(self._slopes[k])
         step = min(k + self._first, self._steps - 1)
         return step, self._springs[k] + share * self._slopes[k], rate

@@ -42,10 +42,7 @@ class MinimalIntervention(RenewedImpedance):
         every: int = 16,
     ):
         super().__init__(every)
-        self._effort = checked_effort(effort)
-        self._skills = list(skills)
-        if prior is not None:
-            self._skills.append(posture_skill(prior, {"prior": Joints()}))
+        self.skills, self.effort, self.prior = tuple(skills), checked_effort(effort), prior
         self._product: Product | None = None
 
     def product(self, state: State) -> Information:
@@ -57,7 +54,10 @@ class MinimalIntervention(RenewedImpedance):
             At the first state, if no frame determines how some joint moves.
         """
         if self._product is None:
-            self._product = Product(self._skills, state.robot.n)
+            skills = list(self.skills)
+            if self.prior is not None:
+                skills.append(posture_skill(self.prior, {"prior": Joints()}))
+            self._product = Product(skills, state.robot.n)
             found = self._product.at(state)
             check_determined(found, state)
             return found
@@ -65,7 +65,7 @@ class MinimalIntervention(RenewedImpedance):
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the product of all frames at a state."""
-        return optimum(self.product(state), state, self._effort)
+        return optimum(self.product(state), state, self.effort)
 
 
 def optimum(product: Information, state: State, effort: float) -> Impedance:

@@ -46,7 +46,7 @@ class Pursuit(MinimalIntervention):
         """Optimum for the product of all frames at a state, moving with them."""
         state = self._ahead(state)
         product, robot = self.product(state), state.robot
-        now = optimum(product, state, self._effort)
+        now = optimum(product, state, self.effort)
         pull = now.stiffness @ (now.reference - state.q)
         # At this speed spring and damper are in balance.
         speed = dgesv(now.damping, pull)[2]

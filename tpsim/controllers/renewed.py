@@ -21,7 +21,7 @@ class RenewedImpedance(ABC):
     """
 
     def __init__(self, every: int):
-        self._every, self._left = every, 0
+        self.every, self._left = every, 0
         self._now: Impedance | None = None
 
     @abstractmethod
@@ -31,7 +31,7 @@ class RenewedImpedance(ABC):
     def command(self, state: State, time: float) -> Impedance:
         """Impedance at a state; the same object until it is renewed."""
         if self._left == 0 or self._now is None:
-            self._left, self._now = self._every, self.renew(state, time)
+            self._left, self._now = self.every, self.renew(state, time)
         self._left -= 1
         return self._now
 

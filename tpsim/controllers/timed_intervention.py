@@ -55,21 +55,21 @@ class TimedIntervention(RenewedImpedance):
             if not value > 0:
                 raise ArgumentError(f"{name} is {value}; it must be positive")
         super().__init__(max(1, round(period / timestep)))
-        self._effort, self._until = checked_effort(effort), until
+        self.skill, self.effort, self.until = skill, checked_effort(effort), until
         sizes = [frame.dim - 1 for frame in skill.model.frames]
         self._stack = Stack(list(skill.views.values()), sizes, inputs=1)
         self._model = StackedModel(skill, self._stack)
-        self._prior = prior
+        self.prior = prior
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the posture that the movement asks for now."""
-        step = self._posture(state, min(time, self._until))
+        step = self._posture(state, min(time, self.until))
         L = dpotrf(state.mass, lower=1)[0]
         # L' Sigma L is the inverse of Lambda_z: the same eigenvectors, without an inverse.
         variances, V, failed = dsyevd(L.T @ step.covariance @ L, overwrite_a=1)
         if failed or not variances[0] > 0:
             raise SimulationError("the covariance of the movement has no eigendecomposition")
-        modes, stiffness = L @ V, 1 / np.sqrt(self._effort * variances)
+        modes, stiffness = L @ V, 1 / np.sqrt(self.effort * variances)
         now = Impedance.of_modes(modes, stiffness, state.q + step.mean)
         # Far away the spring gives way, so that spring against damper asks for no wild speed.
         pace = np.sqrt(stiffness / 2) * (modes.T @ step.mean)
@@ -86,10 +86,10 @@ class TimedIntervention(RenewedImpedance):
         WJ = self._model.precision @ J
         product = J.T @ WJ
         target = ((self._model.mean - y)[:, None] @ WJ).mT
-        if self._prior is not None:
-            precision = self._prior.precision
+        if self.prior is not None:
+            precision = self.prior.precision
             product[:, 1:, 1:] += precision
-            target[:, 1:, 0] += precision @ (self._prior.mean - state.q)
+            target[:, 1:, 0] += precision @ (self.prior.mean - state.q)
         return _regression(self._model.log_priors, product, target).at(time)
 
 

@@ -1,10 +1,12 @@
 """What a scene file does not say about the robot in it."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tpsim.robot.intake import Source
+if TYPE_CHECKING:
+    from tpsim.robot.intake import Source
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,7 @@ class Description:
     controls: dict[str, float]
 
     @classmethod
-    def of(cls, source: Source) -> "Description":
+    def of(cls, source: "Source") -> "Description":
         """Description of what the intake took over."""
         limits = [float(v) if np.isfinite(v) else None for v in source.velocity_limit]
         home = tuple(float(angle) for angle in source.home)

@@ -1,27 +1,32 @@
 """The controller's model of a robot: its arms, their limits, kinematics and dynamics.
 
 Pinocchio computes; its model is built from the compiled MuJoCo model, so there is one source.
+Nothing here imports MuJoCo before a robot is taken in from a file: on a real arm there is none.
 """
 
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-import mujoco
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.pose import Pose
-from tpsim.robot.description import Description
-from tpsim.robot.home import Home
-from tpsim.robot.intake import Source, take_in, take_in_urdf
-from tpsim.robot.limits import Limit
+from tpsim.robot.mechanism import Mechanism
 from tpsim.robot.objects import NONE, Objects
-from tpsim.robot.pinocchio_model import pinocchio_model
 from tpsim.robot.state import State
+
+if TYPE_CHECKING:
+    import mujoco
+
+    from tpsim.robot.description import Description
+    from tpsim.robot.home import Home
+    from tpsim.robot.in_mujoco import InMujoco
+    from tpsim.robot.intake import Source
+    from tpsim.robot.limits import Limit
 
 _ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
@@ -33,11 +38,9 @@ class Robot:
 
     Parameters
     ----------
-    model : mujoco.MjModel
-        Compiled scene or robot, in which every arm joint has a motor.
-    description : Description
-    source : Source, optional
-        Where the robot comes from, for scenes to be composed with it.
+    mechanism : Mechanism
+    simulated : InMujoco, optional
+        Where it is in a simulation; a robot that is deployed has none.
 
     Attributes
     ----------
@@ -53,53 +56,48 @@ class Robot:
         Home posture [rad].
     damping : (n,)
         Viscous damping of the joints [Nms/rad], which controllers compensate.
-    qpos, dof, actuator : (n,) int
-        Addresses of the joints in MuJoCo's qpos, qvel and ctrl.
-    changes : tuple of str
-        What the intake changed, in words.
     """
 
-    def __init__(
-        self, model: mujoco.MjModel, description: Description, source: Source | None = None
-    ):
-        self.model, self.description, self._source = model, description, source
-        self.joints = description.joints
-        self.n, self.hands = len(self.joints), dict(description.hands)
-        built = pinocchio_model(model, self.joints, description.fixed)
-        self._pin, self.sites = built.model, built.sites
-        ids = np.array(built.joints)
+    def __init__(self, mechanism: Mechanism, simulated: "InMujoco | None" = None):
+        self.mechanism, self._simulated = mechanism, simulated
+        self.joints, self.n = mechanism.joints, len(mechanism.joints)
+        self.hands, self.sites = dict(mechanism.hands), mechanism.sites
+        self._pin = mechanism.model
         self._dynamics, self._kinematics = self._pin.createData(), self._pin.createData()
         self._placed: State | None = None
         self._indices: dict[str | tuple[str, ...], np.ndarray] = {}
         self._spans: dict[str | tuple[str, ...], slice | np.ndarray] = {}
-        self.changes = () if source is None else source.changes
-        self.qpos, self.dof = model.jnt_qposadr[ids].copy(), model.jnt_dofadr[ids].copy()
-        limited = model.jnt_limited[ids].astype(bool)
-        self.lower = np.where(limited, model.jnt_range[ids, 0], -np.inf)
-        self.upper = np.where(limited, model.jnt_range[ids, 1], np.inf)
-        self.velocity_limit = np.array(
-            [np.inf if limit is None else limit for limit in description.velocity_limit]
-        )
-        self.home = np.array(description.home, float)
-        self.damping = model.dof_damping[self.dof].copy()
-        self._springs = model.jnt_stiffness[ids].copy()
+        self.lower, self.upper, self.home = mechanism.lower, mechanism.upper, mechanism.home
+        self.velocity_limit = mechanism.velocity_limit
+        self.torque_limit, self.damping = mechanism.torque_limit, mechanism.damping
+        self._springs, self._slack = mechanism.springs, mechanism.slack
         self._sprung = bool(self._springs.any())
-        self._slack = model.qpos_spring[self.qpos].copy()
-        self.actuator, self.torque_limit = _motors(model, ids, self.joints)
         self._below = np.tril_indices(self.n, -1)
         for array in (self.lower, self.upper, self.velocity_limit, self.home, self.torque_limit):
             array.flags.writeable = False
         self.at_home = self.at(self.home)
 
     @classmethod
+    def of(
+        cls,
+        model: "mujoco.MjModel",
+        description: "Description",
+        source: "Source | None" = None,
+    ) -> "Robot":
+        """Robot in a compiled scene, in which every arm joint has a motor."""
+        from tpsim.robot.in_mujoco import found_in
+
+        return cls(*found_in(model, description, source))
+
+    @classmethod
     def from_mjcf(
         cls,
-        source: str | Path | mujoco.MjSpec,
+        source: "str | Path | mujoco.MjSpec",
         hands: Mapping[str, str],
         *,
-        torque_limit: Limit = None,
-        velocity_limit: Limit = None,
-        home: Home = None,
+        torque_limit: "Limit" = None,
+        velocity_limit: "Limit" = None,
+        home: "Home" = None,
         others: Literal["locked", "servo"] = "locked",
     ) -> "Robot":
         """Take over a robot from MJCF: any actuators become torque motors.
@@ -124,6 +122,8 @@ class Robot:
         SimulationError, ArgumentError
             What cannot be taken over, with what the file has.
         """
+        from tpsim.robot.intake import take_in
+
         found = take_in(
             source,
             hands=hands,
@@ -135,9 +135,13 @@ class Robot:
         return cls._of(found)
 
     @classmethod
-    def _of(cls, found: Source) -> "Robot":
+    def _of(cls, found: "Source") -> "Robot":
+        import mujoco
+
+        from tpsim.robot.description import Description
+
         model = mujoco.MjModel.from_xml_string(found.spec.to_xml(), dict(found.assets))
-        return cls(model, Description.of(found), found)
+        return cls.of(model, Description.of(found), found)
 
     @classmethod
     def from_urdf(
@@ -146,15 +150,17 @@ class Robot:
         hands: Mapping[str, str],
         *,
         packages: Mapping[str, str | Path] | None = None,
-        torque_limit: Limit = None,
-        velocity_limit: Limit = None,
-        home: Home = None,
+        torque_limit: "Limit" = None,
+        velocity_limit: "Limit" = None,
+        home: "Home" = None,
     ) -> "Robot":
         """Take over a robot from a URDF; ``hands`` may name links, ``packages`` where meshes are.
 
         Joints that are no arm are locked. Other arguments and errors are those of
         :meth:`from_mjcf`.
         """
+        from tpsim.robot.intake import take_in_urdf
+
         return cls._of(
             take_in_urdf(
                 path,
@@ -167,13 +173,37 @@ class Robot:
         )
 
     @property
-    def source(self) -> Source:
+    def simulated(self) -> "InMujoco":
+        """Where the robot is in MuJoCo: model, description, and addresses of the joints."""
+        if self._simulated is None:
+            raise SimulationError("this robot belongs to a policy: it cannot be simulated")
+        return self._simulated
+
+    @property
+    def model(self) -> "mujoco.MjModel":
+        """The compiled MuJoCo model."""
+        return self.simulated.model
+
+    @property
+    def description(self) -> "Description":
+        """What a scene file does not say about the robot."""
+        return self.simulated.description
+
+    @property
+    def changes(self) -> tuple[str, ...]:
+        """What the intake changed, in words."""
+        source = self.simulated.source
+        return () if source is None else source.changes
+
+    @property
+    def source(self) -> "Source":
         """Specification and files of the robot alone, for scenes to be composed with it."""
-        if self._source is None:
+        source = self.simulated.source
+        if source is None:
             raise SimulationError(
                 "this robot was read from a recorded scene; compose scenes with Robot.from_mjcf"
             )
-        return self._source
+        return source
 
     def at(
         self,
@@ -298,20 +328,3 @@ def as_slice(indices: Sequence[int] | np.ndarray) -> slice | np.ndarray:
     if np.array_equal(indices, np.arange(first, first + len(indices))):
         return slice(first, first + len(indices))
     return np.asarray(indices)
-
-
-def _motors(
-    model: mujoco.MjModel, ids: np.ndarray, names: Sequence[str]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Actuator of each joint, and its torque limit."""
-    on_joint = model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT
-    actuators, limits = [], []
-    for joint, name in zip(ids, names, strict=True):
-        drives = np.flatnonzero(on_joint & (model.actuator_trnid[:, 0] == joint))
-        if len(drives) != 1:
-            raise SimulationError(f"joint '{name}' has {len(drives)} motors; it needs one")
-        a = int(drives[0])
-        actuators.append(a)
-        bounded = model.actuator_ctrllimited[a]
-        limits.append(model.actuator_ctrlrange[a, 1] if bounded else np.inf)
-    return np.array(actuators), np.array(limits, float)

@@ -81,12 +81,12 @@ class Plant:
         model.body_inertia[:] *= factors[:, None]
         for site in robot.hands.values():
             _add_mass(model, model.site(site).id, self.payload)
-        model.dof_frictionloss[robot.dof] += self.friction
+        model.dof_frictionloss[robot.simulated.dof] += self.friction
         data = mujoco.MjData(model)
         mujoco.mj_setConst(model, data)
-        data.qpos[robot.qpos] = robot.home
+        data.qpos[robot.simulated.qpos] = robot.home
         mujoco.mj_forward(model, data)
-        load = np.abs(data.qfrc_bias[robot.dof]) - robot.torque_limit
+        load = np.abs(data.qfrc_bias[robot.simulated.dof]) - robot.torque_limit
         if load.max() > 0:
             joint = robot.joints[int(load.argmax())]
             raise ArgumentError(

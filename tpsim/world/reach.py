@@ -48,7 +48,7 @@ def reach(
     full = model.qpos0.copy()
     for joint, angle in robot.description.fixed.items():
         full[model.joint(joint).qposadr[0]] = angle
-    full[robot.qpos] = robot.home if start is None else start
+    full[robot.simulated.qpos] = robot.home if start is None else start
     configuration = mink.Configuration(model, full)
     tasks = []
     for site, (R, p) in targets.items():
@@ -58,7 +58,7 @@ def reach(
         tasks.append(task)
     prefer = mink.PostureTask(model, cost=0.02)
     preferred = full.copy()
-    preferred[robot.qpos] = posture
+    preferred[robot.simulated.qpos] = posture
     prefer.set_target(preferred)
     limits = [mink.ConfigurationLimit(model, min_distance_from_limits=margin)]
     for i in range(iterations):
@@ -70,7 +70,7 @@ def reach(
         position = max(float(np.linalg.norm(error[:3])) for error in errors)
         angle = max(float(np.linalg.norm(error[3:])) for error in errors)
         if i > 100 and position < tolerance[0] and angle < tolerance[1]:
-            found: np.ndarray = configuration.q[robot.qpos].copy()
+            found: np.ndarray = configuration.q[robot.simulated.qpos].copy()
             return found
     raise SimulationError(
         f"poses of {sorted(targets)} cannot be reached: {1e3 * position:.1f} mm and "

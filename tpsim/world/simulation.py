@@ -35,7 +35,8 @@ class Simulation:
             for body, row in enumerate(model.body_mocapid)
             if row >= 0
         }
-        qpos, dof, actuator = (as_slice(i) for i in (robot.qpos, robot.dof, robot.actuator))
+        found = robot.simulated
+        qpos, dof, actuator = (as_slice(i) for i in (found.qpos, found.dof, found.actuator))
         self._qpos, self._actuator = qpos, actuator
         # Views of MuJoCo's own memory where they can be: looking them up costs more than reading.
         data, together = self.data, isinstance(qpos, slice) and isinstance(dof, slice)

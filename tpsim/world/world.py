@@ -7,7 +7,8 @@ from functools import cached_property
 import mujoco
 
 from tpsim.errors import SimulationError
-from tpsim.robot.robot import Description, Robot
+from tpsim.robot.description import Description
+from tpsim.robot.robot import Robot
 from tpsim.world.plant import NOMINAL, Plant
 from tpsim.world.simulation import Simulation
 
@@ -72,7 +73,7 @@ class World:
     @cached_property
     def robot(self) -> Robot:
         """The controller's model of the robot, with what it holds."""
-        return Robot(self.model, self.description)
+        return Robot.of(self.model, self.description)
 
     @property
     def timestep(self) -> float:

@@ -212,7 +212,7 @@ def test_states_do_not_change(cup_world):
     other.pose("cup"), other.bias, other.mass, other.jacobian("sugar")
     for before, now in zip(kept, (first.pose("cup").position, first.bias, first.mass), strict=True):
         np.testing.assert_array_equal(before, now)
-    fresh = Robot(robot.model, robot.description).at(robot.home)
+    fresh = Robot.of(robot.model, robot.description).at(robot.home)
     np.testing.assert_array_equal(first.jacobian("sugar"), fresh.jacobian("sugar"))
     with pytest.raises(ValueError, match="read-only"):
         first.q[0] = 1.0

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from tpsim.robot.robot import Description
+from tpsim.robot.description import Description
 from tpsim.study.files.about import TaskFile
 
 UNITS = {

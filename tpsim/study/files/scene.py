@@ -6,7 +6,7 @@ from pathlib import Path
 import mujoco
 
 from tpsim.errors import RecordingError, TpsimError
-from tpsim.robot.robot import Description
+from tpsim.robot.description import Description
 from tpsim.study.files import limits
 from tpsim.study.files.inside import checksum, read_inside, read_text_inside
 from tpsim.study.files.scene_check import check_scene

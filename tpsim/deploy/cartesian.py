@@ -1,0 +1,185 @@
+"""Impedance of a hand in Cartesian space, as controllers of real arms take it, within limits."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+
+import numpy as np
+import pinocchio as pin
+
+from tpsim.errors import ArgumentError
+from tpsim.pose import Pose
+from tpsim.robot.state import State
+from tpsim.world.impedance import Impedance, hand_stiffness
+
+Pair = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class CartesianLimits:
+    """Bounds of Cartesian gains: a number for translation, and one for rotation.
+
+    Parameters
+    ----------
+    stiffness : float, float
+        Most in any direction [N/m], [Nm/rad].
+    damping : float, float
+        Most in any direction [Ns/m], [Nms/rad].
+    stiffness_rate : float, float
+        Most change in any direction [N/m/s], [Nm/rad/s]. Gains start at zero.
+    damping_rate : float, float
+        Most change in any direction [N/m], [Nm/rad].
+    pull : float, float
+        Force [N] and torque [Nm] that the spring does not exceed: targets come nearer instead.
+
+    Raises
+    ------
+    ArgumentError
+        If one is not positive.
+    """
+
+    stiffness: Pair = (3000.0, 300.0)
+    damping: Pair = (300.0, 30.0)
+    stiffness_rate: Pair = (6000.0, 600.0)
+    damping_rate: Pair = (600.0, 60.0)
+    pull: Pair = (60.0, 20.0)
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            pair = getattr(self, field.name)
+            if len(pair) != 2 or not all(value > 0 for value in pair):
+                raise ArgumentError(
+                    f"{field.name} is {pair}; give two positive numbers, for translation and "
+                    "for rotation"
+                )
+
+
+@dataclass(frozen=True, eq=False)
+class HandImpedance:
+    """What a Cartesian impedance controller follows, in the world's axes about the hand's site.
+
+    The wrench is ``stiffness (target - pose) + damping (twist - velocity)``; the difference of two
+    poses is that of their positions over the rotation vector ``log(R_target R^T)``.
+
+    Parameters
+    ----------
+    stiffness : (6, 6)
+        Translation over rotation [N/m], [Nm/rad]; symmetric, positive semi-definite.
+    damping : (6, 6)
+        [Ns/m], [Nms/rad]
+    target : Pose
+    twist : (6,)
+        At which the target moves [m/s], [rad/s]; zero for one hand that follows nothing moving.
+    """
+
+    stiffness: np.ndarray
+    damping: np.ndarray
+    target: Pose
+    twist: np.ndarray
+
+
+class HandFilter:
+    """Impedances of all hands from that of the joints, step by step, within limits.
+
+    The joints' impedance also ties hands to each other, which controllers of separate arms cannot
+    do: every stiffness is that of a hand whose surroundings give way
+    (:func:`tpsim.world.impedance.hand_stiffness`), and what the other hands ask of it moves its
+    target and its twist.
+
+    Parameters
+    ----------
+    hands : mapping of str to str
+        Site of each hand.
+    limits : CartesianLimits
+    """
+
+    def __init__(self, hands: Mapping[str, str], limits: CartesianLimits):
+        self._sites, self._limits = dict(hands), limits
+        self._gains = {hand: (np.zeros((6, 6)), np.zeros((6, 6))) for hand in hands}
+
+    def follow(
+        self, now: Impedance, state: State, since: float, period: float
+    ) -> dict[str, HandImpedance]:
+        """Impedance of every hand at a state.
+
+        Parameters
+        ----------
+        now : Impedance
+            That of the joints.
+        state : State
+        since : float
+            Time [s] since ``now`` was commanded: its reference has moved on.
+        period : float
+            Time [s] since the last call, for the rates.
+        """
+        J = np.array([state.jacobian(site) for site in self._sites.values()])
+        velocity = np.zeros(len(state.q)) if now.velocity is None else now.velocity
+        ways = _shares(J, now.stiffness, now.reference + since * velocity - state.q)
+        twists = _shares(J, now.damping, velocity - state.dq) + J @ state.dq
+        found = {}
+        for h, (hand, site) in enumerate(self._sites.items()):
+            K, D = self._limited(hand, J[h], now, period)
+            way = ways[h] / max(1.0, self._excess(K @ ways[h]))
+            R, p = state.pose(site)
+            target = Pose(pin.exp3(way[3:]) @ R, p + way[:3])
+            found[hand] = HandImpedance(K, D, target, twists[h])
+        return found
+
+    def _limited(
+        self, hand: str, J: np.ndarray, now: Impedance, period: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Stiffness and damping of a hand, within limits and rates."""
+        limits, (K_before, D_before) = self._limits, self._gains[hand]
+        K = _below(_symmetric(hand_stiffness(J, now.stiffness)), limits.stiffness)
+        D = _below(_symmetric(hand_stiffness(J, now.damping)), limits.damping)
+        K = _nearer(K_before, K, limits.stiffness_rate, period)
+        D = _nearer(D_before, D, limits.damping_rate, period)
+        self._gains[hand] = K, D
+        return K, D
+
+    def _excess(self, pull: np.ndarray) -> float:
+        """How many times a wrench is larger than it may be."""
+        force, torque = np.linalg.norm(pull[:3]), np.linalg.norm(pull[3:])
+        return float(max(force / self._limits.pull[0], torque / self._limits.pull[1]))
+
+
+def _shares(J: np.ndarray, gains: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """Change (H, 6) of each hand at which its own gains make the wrench that all make together.
+
+    Together the hands J (H, 6, n) have the compliance ``C = J G^-1 J^T``, all blocks of it, and
+    the wrench ``F = C^+ J change``; hand h alone makes it by ``C_hh F_h``. For one hand that is
+    its own motion.
+    """
+    if len(J) == 1 or not gains.any():
+        moved: np.ndarray = J @ change
+        return moved
+    stacked = J.reshape(-1, J.shape[-1])
+    C = stacked @ np.linalg.solve(gains, stacked.T)
+    wrench = np.linalg.pinv(C, rcond=1e-10) @ (stacked @ change)
+    rows = [slice(6 * h, 6 * h + 6) for h in range(len(J))]
+    return np.array([C[r, r] @ wrench[r] for r in rows])
+
+
+def _symmetric(K: np.ndarray) -> np.ndarray:
+    return 0.5 * (K + K.T)
+
+
+def _roots(bound: Pair) -> np.ndarray:
+    """Square roots (6,) of the bounds of every axis."""
+    return np.sqrt(np.repeat(bound, 3))
+
+
+def _below(K: np.ndarray, bound: Pair) -> np.ndarray:
+    """K (6, 6) with no direction stiffer than its bound, and none that pushes away."""
+    s = _roots(bound)
+    values, V = np.linalg.eigh(K / np.outer(s, s))
+    if values[0] >= 0 and values[-1] <= 1:
+        return K
+    clipped = (V * np.clip(values, 0, 1)) @ V.T
+    return _symmetric(clipped * np.outer(s, s))
+
+
+def _nearer(before: np.ndarray, K: np.ndarray, rate: Pair, period: float) -> np.ndarray:
+    """From one spring as far towards another as the rate allows; between two is a spring, too."""
+    s, change = _roots(rate), K - before
+    fastest = np.abs(np.linalg.eigvalsh(change / np.outer(s, s))).max()
+    return K if fastest <= period else before + period / fastest * change

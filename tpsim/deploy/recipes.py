@@ -1,0 +1,248 @@
+"""Recipes: what tpsim's controllers are made from, as plain values that a file can hold."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from tpsim.control.poses import SeenMovement
+from tpsim.controllers.finite_horizon import FiniteHorizon
+from tpsim.controllers.minimal_intervention import MinimalIntervention
+from tpsim.controllers.product import Skill
+from tpsim.controllers.pursuit import Pursuit
+from tpsim.controllers.renewed import FixedImpedance
+from tpsim.controllers.timed_intervention import TimedIntervention
+from tpsim.errors import ArgumentError
+from tpsim.gaussian import Gaussian
+from tpsim.learning.tp_gmm import TPGMM
+from tpsim.robot.robot import Robot
+from tpsim.robot.views.joints import Joints
+from tpsim.robot.views.view import View
+from tpsim.world.impedance import Controller
+
+
+@dataclass(frozen=True, eq=False)
+class WrittenSkill:
+    """A :class:`~tpsim.controllers.product.Skill` as far as controllers need it."""
+
+    views: Mapping[str, View]
+    priors: np.ndarray
+    frames: tuple[Gaussian, ...]
+
+    @classmethod
+    def of(cls, skill: Skill) -> "WrittenSkill":
+        """A skill without the history of its learning."""
+        return cls(dict(skill.views), skill.model.priors, skill.model.frames)
+
+    def seen(self, inputs: int = 0) -> Iterator[tuple[View, int]]:
+        """Views, and the dimensions of their frames besides the inputs."""
+        for view, frame in zip(self.views.values(), self.frames, strict=True):
+            yield view, frame.dim - inputs
+
+    @property
+    def skill(self) -> Skill:
+        """The skill."""
+        return Skill(self.views, TPGMM(self.priors, self.frames))
+
+
+@dataclass(frozen=True, eq=False)
+class Recipe(ABC):
+    """What a controller is made from.
+
+    Parameters
+    ----------
+    lasts : float
+        Time [s] for which an impedance lasts.
+    """
+
+    lasts: float
+
+    def __post_init__(self) -> None:
+        if not self.lasts > 0:
+            raise ArgumentError(f"lasts is {self.lasts} s; it must be positive")
+
+    @abstractmethod
+    def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
+        """A new controller that starts at a posture (n,) [rad] and is called every period [s]."""
+
+    def free_of(self, start: np.ndarray) -> "Recipe":
+        """The same where nothing is written down that is the start posture itself."""
+        return self
+
+    def seen(self) -> Iterator[tuple[View, int]]:
+        """The views that skills observe, with the number of dimensions that models have."""
+        yield from ()
+
+    def _every(self, period: float) -> int:
+        return max(1, round(self.lasts / period))
+
+
+@dataclass(frozen=True, eq=False)
+class _Held(Recipe):
+    """A controller that may have a prior on the posture.
+
+    ``held`` says that the prior's mean is the posture in which the robot starts.
+    """
+
+    effort: float
+    prior: Gaussian | None
+    held: bool
+
+    def seen(self) -> Iterator[tuple[View, int]]:
+        """The prior sees all joints."""
+        if self.prior is not None:
+            yield Joints(), self.prior.dim
+
+    def free_of(self, start: np.ndarray) -> "Recipe":
+        """The same with the mean of the prior to be filled in at the start."""
+        if self.prior is None or not np.array_equal(self.prior.mean, start):
+            return self
+        unknown = Gaussian(np.zeros(len(start)), self.prior.covariance)
+        return replace(self, prior=unknown, held=True)
+
+    def _prior(self, start: np.ndarray) -> Gaussian | None:
+        if self.prior is None or not self.held:
+            return self.prior
+        return Gaussian(start, self.prior.covariance)
+
+
+@dataclass(frozen=True, eq=False)
+class InterventionRecipe(_Held):
+    """Of :class:`MinimalIntervention`, or of :class:`Pursuit`, which has no prior."""
+
+    law: Literal["MinimalIntervention", "Pursuit"]
+    skills: tuple[WrittenSkill, ...]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.skills:
+            raise ArgumentError("there is no skill")
+
+    def seen(self) -> Iterator[tuple[View, int]]:
+        """Views and dimensions of the prior and of all skills."""
+        yield from super().seen()
+        for skill in self.skills:
+            yield from skill.seen()
+
+    def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
+        """A new controller."""
+        skills = [written.skill for written in self.skills]
+        if self.law == "Pursuit":
+            return Pursuit(skills, effort=self.effort, every=self._every(period))
+        return MinimalIntervention(
+            skills, effort=self.effort, prior=self._prior(start), every=self._every(period)
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class TimedRecipe(_Held):
+    """Of :class:`TimedIntervention`."""
+
+    skill: WrittenSkill
+    until: float
+
+    def seen(self) -> Iterator[tuple[View, int]]:
+        """Views and dimensions of the prior and of the skill, where time comes before them."""
+        yield from super().seen()
+        yield from self.skill.seen(inputs=1)
+
+    def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
+        """A new controller."""
+        return TimedIntervention(
+            self.skill.skill,
+            effort=self.effort,
+            until=self.until,
+            prior=self._prior(start),
+            period=self.lasts,
+            timestep=period,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class HorizonRecipe(Recipe):
+    """Of :class:`FiniteHorizon`."""
+
+    objects: tuple[str, ...]
+    movements: tuple[SeenMovement, ...]
+    posture: Gaussian
+    joints: tuple[str, ...]
+    site: str
+    dt: float
+    effort: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        lengths = {len(movement) for movement in self.movements} | {len(self.posture.mean)}
+        if not 0 < len(self.objects) == len(self.movements) or len(lengths) > 1:
+            raise ArgumentError("objects, movements and posture do not fit each other")
+
+    def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
+        """A new controller."""
+        return FiniteHorizon(
+            robot,
+            self.objects,
+            self.movements,
+            self.posture,
+            joints=self.joints,
+            site=self.site,
+            dt=self.dt,
+            effort=self.effort,
+            every=self._every(period),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class FixedRecipe(Recipe):
+    """Of :class:`FixedImpedance`; without a posture it holds the one in which the robot starts."""
+
+    posture: np.ndarray | None
+    stiffness: float
+
+    def seen(self) -> Iterator[tuple[View, int]]:
+        """The posture is one of all joints."""
+        if self.posture is not None:
+            yield Joints(), self.posture.size
+
+    def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
+        """A new controller."""
+        return FixedImpedance(start if self.posture is None else self.posture, self.stiffness)
+
+    def free_of(self, start: np.ndarray) -> Recipe:
+        """The same without a posture that is the start."""
+        held = self.posture is not None and np.array_equal(self.posture, start)
+        return replace(self, posture=None) if held else self
+
+
+def recipe_of(controller: object, period: float) -> Recipe:
+    """What a controller was made from; ``period`` [s] is that of the control it was made for.
+
+    Raises
+    ------
+    ArgumentError
+        If it is none of tpsim's controllers.
+    """
+    kind = type(controller)
+    if isinstance(controller, MinimalIntervention) and kind in (MinimalIntervention, Pursuit):
+        skills = tuple(WrittenSkill.of(skill) for skill in controller.skills)
+        law: Literal["MinimalIntervention", "Pursuit"] = (
+            "Pursuit" if kind is Pursuit else "MinimalIntervention"
+        )
+        lasts = controller.every * period
+        return InterventionRecipe(lasts, controller.effort, controller.prior, False, law, skills)
+    if isinstance(controller, TimedIntervention) and kind is TimedIntervention:
+        lasts, timed = controller.every * period, controller
+        skill = WrittenSkill.of(timed.skill)
+        return TimedRecipe(lasts, timed.effort, timed.prior, False, skill, timed.until)
+    if isinstance(controller, FiniteHorizon) and kind is FiniteHorizon:
+        f = controller
+        parts = f.objects, f.movements, f.posture, f.joints, f.site, f.dt, f.effort
+        return HorizonRecipe(f.every * period, *parts)
+    if isinstance(controller, FixedImpedance) and kind is FixedImpedance:
+        return FixedRecipe(period, controller.posture, controller.stiffness)
+    raise ArgumentError(
+        f"the task's controller is a {kind.__name__}; a policy can be made of MinimalIntervention, "
+        "Pursuit, TimedIntervention, FiniteHorizon and FixedImpedance. Other controllers need "
+        "your own code on the robot's computer: Robot, State and views run there without MuJoCo"
+    )

@@ -1,0 +1,102 @@
+"""What a real robot senses, checked: joints, and objects as its cameras see them."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tpsim.errors import ArgumentError
+from tpsim.pose import Pose
+from tpsim.robot.objects import Objects
+from tpsim.robot.robot import Robot
+from tpsim.robot.state import State
+from tpsim.robot.views.direction import Bearing
+from tpsim.robot.views.sites import Object
+
+Seen = Pose | Sequence[ArrayLike]
+"""A pose; or position (3,) [m] and quaternion (w, x, y, z), and, where the object moves, its
+velocity (6,): linear [m/s] over angular [rad/s], in the world's axes."""
+
+UNIT = 1e-6
+"""Deviation of a quaternion's length from one up to which it is taken as it is."""
+
+
+def objects_in(value: object) -> Iterator[str]:
+    """Names of the objects that the views in a recipe look from or at."""
+    if isinstance(value, Object):
+        yield value.name
+    if isinstance(value, Bearing):
+        yield value.target
+    if is_dataclass(value) and not isinstance(value, type):
+        for field in fields(value):
+            found = getattr(value, field.name)
+            if field.name == "objects":
+                yield from found
+            else:
+                yield from objects_in(found)
+    elif isinstance(value, Mapping):
+        yield from objects_in(tuple(value.values()))
+    elif isinstance(value, tuple | list):
+        for item in value:
+            yield from objects_in(item)
+
+
+def sensed(
+    robot: Robot,
+    q: ArrayLike,
+    dq: ArrayLike,
+    objects: Objects | Mapping[str, Seen],
+    time: float,
+    needed: Sequence[str],
+) -> State:
+    """State of a robot from what its sensors say.
+
+    Raises
+    ------
+    ArgumentError
+        Wrong shapes, what is not finite, or an object that is missing; one line.
+    """
+    if missing := [name for name in needed if name not in objects]:
+        raise ArgumentError(
+            f"object '{missing[0]}' is missing; the policy needs the poses of {', '.join(needed)}"
+        )
+    known = objects if isinstance(objects, Objects) else _objects(objects)
+    state = robot.at(q, dq, known, float(time))
+    if not np.isfinite(state.x).all():
+        joint = robot.joints[int(np.flatnonzero(~np.isfinite(state.x))[0]) % robot.n]
+        raise ArgumentError(f"the state of joint '{joint}' is not finite; stop the robot")
+    if not (np.isfinite(time) and time >= 0):
+        raise ArgumentError(f"time is {time} s; give the time since the start")
+    return state
+
+
+def _objects(given: Mapping[str, Seen]) -> Objects:
+    rows = {name: row for row, name in enumerate(given)}
+    found = [_checked(name, seen) for name, seen in given.items()]
+    positions = np.array([f[0] for f in found]).reshape(-1, 3)
+    quaternions = np.array([f[1] for f in found]).reshape(-1, 4)
+    moves = any(f[2] is not None for f in found)
+    twists = np.array([np.zeros(6) if f[2] is None else f[2] for f in found]) if moves else None
+    return Objects(rows, positions, quaternions, twists)
+
+
+def _checked(name: str, seen: Seen) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+    if isinstance(seen, Pose):
+        parts: list[np.ndarray] = [np.asarray(seen.position), seen.quaternion]
+    else:
+        parts = [np.asarray(part, float) for part in seen]
+    shapes = [part.shape for part in parts]
+    if shapes not in ([(3,), (4,)], [(3,), (4,), (6,)]):
+        raise ArgumentError(
+            f"object '{name}' has parts of shapes {shapes}; give a position (3,), a quaternion "
+            "(4,) and, where it moves, a velocity (6,)"
+        )
+    length = float(np.linalg.norm(parts[1]))
+    if not all(np.isfinite(part).all() for part in parts) or not 0.5 < length < 2:
+        raise ArgumentError(
+            f"object '{name}' is at {parts[0].tolist()} turned by {parts[1].tolist()}: not finite, "
+            "or no unit quaternion (w, x, y, z)"
+        )
+    turned = parts[1] if abs(length - 1) < UNIT else parts[1] / length
+    return parts[0], turned, parts[2] if len(parts) == 3 else None

@@ -1,0 +1,44 @@
+"""A robot as its controllers know it: kinematics, dynamics and limits, without a simulator."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """Arms of hinges and slides; n joints.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+        Its q (n,) and v (n,) are the joints in their order; armature is included.
+    sites : dict of str to int
+        Pinocchio's frame id of every site that the robot carries, and of those in the world.
+    joints : tuple of str
+        In the order of q.
+    hands : dict of str to str
+        Site of each hand.
+    lower, upper, velocity_limit, torque_limit : (n,)
+        Limits in rad, rad/s, Nm (m, m/s, N for slides); infinite where there is none.
+    home : (n,)
+        Home posture [rad].
+    damping : (n,)
+        Viscous damping of the joints [Nms/rad].
+    springs, slack : (n,)
+        Stiffness [Nm/rad] of the joints' own springs, and where they are slack [rad].
+    """
+
+    model: pin.Model
+    sites: dict[str, int]
+    joints: tuple[str, ...]
+    hands: dict[str, str]
+    lower: np.ndarray
+    upper: np.ndarray
+    velocity_limit: np.ndarray
+    torque_limit: np.ndarray
+    home: np.ndarray
+    damping: np.ndarray
+    springs: np.ndarray
+    slack: np.ndarray

@@ -25,13 +25,15 @@ leads the weightless arm; what was learned drives the robot where it was never s
 
         def controller(self, world, models, situation):
             skill = lab.Skill(self.behaviours()["visit"].views, models["visit"])
-            return lab.MinimalIntervention([skill], effort=self.effort)
+            return lab.MinimalIntervention([skill], effort=self.effort)  # holds what was taught
 
     gap = lab.Measure("gap_mm", TIP.seen_from(CUP).position, "mm", limit=10)
     study = lab.Study(Visit(), [gap])
 
 ``tpsim run visit.py:study`` then teaches, learns, performs, pushes, films and reports; in Python
 :func:`teach`, :func:`learn`, :func:`perform` and :func:`run` do the same step by step.
+:class:`MinimalIntervention` holds what was taught, wherever a push or an object leads it; a
+movement in time is followed by :class:`TimedIntervention`, as in ``docs/recipes/task.md``.
 """
 
 from importlib import import_module

@@ -196,7 +196,7 @@ def test_several_components_are_learned_and_performed(tmp_path):
 
 def test_missing_demonstrations_say_how_to_record_some(monkeypatch, tmp_path):
     monkeypatch.setattr(paths, "demonstrations", lambda name: tmp_path / name)
-    with pytest.raises(RecordingError, match="tpsim teach cup"):
+    with pytest.raises(RecordingError, match="record some with tpsim teach"):
         teaching.learn(cup)
 
 

@@ -4,8 +4,7 @@ Pinocchio computes; its model is built from the compiled MuJoCo model, so there 
 Nothing here imports MuJoCo before a robot is taken in from a file: on a real arm there is none.
 """
 
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.pose import Pose
+from tpsim.robot.indices import Indices, Names
 from tpsim.robot.mechanism import Mechanism
 from tpsim.robot.objects import NONE, Objects
 from tpsim.robot.state import State
@@ -65,8 +65,7 @@ class Robot:
         self._pin = mechanism.model
         self._dynamics, self._kinematics = self._pin.createData(), self._pin.createData()
         self._placed: State | None = None
-        self._indices: dict[str | tuple[str, ...], np.ndarray] = {}
-        self._spans: dict[str | tuple[str, ...], slice | np.ndarray] = {}
+        self._indices = Indices(self.joints)
         self.lower, self.upper, self.home = mechanism.lower, mechanism.upper, mechanism.home
         self.velocity_limit = mechanism.velocity_limit
         self.torque_limit, self.damping = mechanism.torque_limit, mechanism.damping
@@ -124,15 +123,8 @@ class Robot:
         """
         from tpsim.robot.intake import take_in
 
-        found = take_in(
-            source,
-            hands=hands,
-            torque_limit=torque_limit,
-            velocity_limit=velocity_limit,
-            home=home,
-            others=others,
-        )
-        return cls._of(found)
+        limits = {"torque_limit": torque_limit, "velocity_limit": velocity_limit}
+        return cls._of(take_in(source, hands=hands, home=home, others=others, **limits))
 
     @classmethod
     def _of(cls, found: "Source") -> "Robot":
@@ -161,16 +153,8 @@ class Robot:
         """
         from tpsim.robot.intake import take_in_urdf
 
-        return cls._of(
-            take_in_urdf(
-                path,
-                hands=hands,
-                packages=packages,
-                torque_limit=torque_limit,
-                velocity_limit=velocity_limit,
-                home=home,
-            )
-        )
+        limits = {"torque_limit": torque_limit, "velocity_limit": velocity_limit}
+        return cls._of(take_in_urdf(path, hands=hands, home=home, packages=packages, **limits))
 
     @property
     def simulated(self) -> "InMujoco":
@@ -229,7 +213,7 @@ class Robot:
         known = objects if isinstance(objects, Objects) else Objects.of(objects)
         return State(self, x, known, time)
 
-    def index(self, joints: str | tuple[str, ...]) -> np.ndarray:
+    def index(self, joints: Names) -> np.ndarray:
         """Indices (k,) in q of joints: a regular expression that matches whole names, or names.
 
         Raises
@@ -237,24 +221,11 @@ class Robot:
         ArgumentError
             If nothing matches; the message lists the joints.
         """
-        if joints not in self._indices:
-            names = (joints,) if isinstance(joints, str) else joints
-            found = [
-                i
-                for name in names
-                for i, joint in enumerate(self.joints)
-                if joint == name or re.fullmatch(name, joint)
-            ]
-            if not found:
-                raise ArgumentError(f"no joint matches {joints!r}; the robot has {self.joints}")
-            self._indices[joints] = np.array(found)
-        return self._indices[joints]
+        return self._indices.find(joints)
 
-    def span(self, joints: str | tuple[str, ...]) -> slice | np.ndarray:
+    def span(self, joints: Names) -> slice | np.ndarray:
         """The same indices as a slice, where they follow each other."""
-        if joints not in self._spans:
-            self._spans[joints] = as_slice(self.index(joints))
-        return self._spans[joints]
+        return self._indices.span(joints)
 
     def chain(self, site: str) -> np.ndarray:
         """Indices (k,) in q of the joints that move a site."""
@@ -320,11 +291,3 @@ class Robot:
         self._place(state)
         J = pin.getFrameJacobian(self._pin, self._kinematics, frame, _ALIGNED)
         return J.reshape(6, -1)
-
-
-def as_slice(indices: Sequence[int] | np.ndarray) -> slice | np.ndarray:
-    """Indices (k,) as a slice, where they follow each other: it selects a view, and faster."""
-    first = int(indices[0])
-    if np.array_equal(indices, np.arange(first, first + len(indices))):
-        return slice(first, first + len(indices))
-    return np.asarray(indices)

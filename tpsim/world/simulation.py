@@ -4,7 +4,8 @@ import mujoco
 import numpy as np
 
 from tpsim.errors import SimulationError
-from tpsim.robot.robot import Robot, as_slice
+from tpsim.robot.indices import as_slice
+from tpsim.robot.robot import Robot
 
 
 class Simulation:

@@ -16,8 +16,9 @@ import numpy as np
 from scipy.linalg.lapack import dposv
 
 from tpsim.errors import ArgumentError
+from tpsim.robot.indices import as_slice
 from tpsim.robot.objects import Objects
-from tpsim.robot.robot import Robot, as_slice
+from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 
 DAMPING = 0.01

@@ -55,6 +55,15 @@ WHAT = {
 _BOX = {"fc": "#f4f6f8", "ec": "#20364c", "lw": 1.0}
 
 
+_GAP = 0.9
+_LETTER = 0.165  # width of a letter, in units of the picture
+
+
+def width(room: str) -> float:
+    """Width of a box that holds its words."""
+    return _LETTER * max(len(WHAT[room]), len(room) + 3)
+
+
 def room_of(module: str) -> str:
     """Room of ``tpsim.a.b``."""
     name = [*module.split("."), ""][1]
@@ -94,8 +103,10 @@ def draw(path: Path) -> None:
     height = 0.0
     for floor in FLOORS:
         rooms = [room for room in floor if room in there]
-        for k, room in enumerate(rooms):
-            place[room] = (4.4 * (k - (len(rooms) - 1) / 2), height)
+        x = -sum(width(room) + _GAP for room in rooms) / 2
+        for room in rooms:
+            place[room] = (x + (width(room) + _GAP) / 2, height)
+            x += width(room) + _GAP
         height += 1.25 if rooms else 0.0
     figure, axis = plt.subplots(figsize=(11, 10.5))
     for one, other in direct(arrows()):
@@ -114,13 +125,13 @@ def draw(path: Path) -> None:
         name = room if room == "values" else f"{room}/"
         axis.text(x, y + 0.13, name, ha="center", va="center", fontsize=10, weight="bold", zorder=3)
         axis.text(x, y - 0.17, WHAT[room], ha="center", va="center", fontsize=8.5, zorder=3)
-        wide = 0.104 * max(len(WHAT[room]), len(name))
+        wide = width(room)
         axis.add_patch(
             FancyBboxPatch(
                 (x - wide / 2, y - 0.24), wide, 0.48, boxstyle="round,pad=0.09", zorder=2, **_BOX
             )
         )
-    wide = 2.3 * max(len([r for r in floor if r in there]) for floor in FLOORS) + 0.6
+    wide = max(abs(x) + width(room) / 2 for room, (x, _) in place.items()) + 0.3
     axis.set_xlim(-wide, wide)
     axis.set_ylim(-0.6, height - 0.4)
     axis.axis("off")

@@ -139,6 +139,7 @@ def test_without_json_people_read_a_summary(run, calls):
         ("run TOY --pushes -2", "--pushes -2"),
         ("run TOY --workers 0", "--workers 0"),
         ("run TOY --efort 0.2", "unknown option '--efort'; did you mean '--effort'?"),
+        ("run TOY --effort nan", "--effort is nan; give a finite number"),
         ("run TOY --situation 2", "unknown option '--situation'; did you mean '--situations'?"),
         ("run TOY --xyz", "unknown option '--xyz'; --help lists the options"),
         ("run TOY --effort soft", "--effort: could not convert string to float: 'soft'"),

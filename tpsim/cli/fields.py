@@ -1,6 +1,7 @@
 """The fields of a task as options of its commands."""
 
 import dataclasses
+import math
 import typing
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Annotated
@@ -50,13 +51,17 @@ def varied(study: "Study", options: StudyCommand) -> "Study":
     Raises
     ------
     ArgumentError
-        If the task refuses a value.
+        If a number is not finite, or the task refuses a value.
     """
     changed = {}
     for field, option in option_names(_own(type(options)), study.task).items():
         given = getattr(options, option)
         if not _same(given, getattr(study.task, field)):
             changed[field] = given
+            if isinstance(given, float) and not math.isfinite(given):
+                raise ArgumentError(
+                    f"--{option.replace('_', '-')} is {given}; give a finite number"
+                )
     try:
         return study.with_task(**changed) if changed else study
     except (ValueError, TypeError) as error:

@@ -78,8 +78,11 @@ def test_a_death_is_one_line():
 
 
 SCRIPT = """
-    import os, sys, time
+    import os, signal, sys, time
     from tpsim.study.workers import Workers
+
+    # Shells start what runs in the background deaf to SIGINT.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def make(_):
         def apply(x):

@@ -5,6 +5,7 @@ many free parameters it has. EM, :mod:`tpsim.learning.em`, is the same for all o
 and for task-parameterized mixtures.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -135,7 +136,25 @@ class HDDC(_Subspace):
 
 
 @dataclass(frozen=True)
-class MFA(_Subspace):
+class _Analysers(_Subspace, ABC):
+    """Loadings Lambda and noise: Sigma = Lambda Lambda' + diagonal."""
+
+    def fit(self, S, factors, limit):
+        """Do one step of EM from ``factors``, which are Lambda and the variances of the noise."""
+        S = limit.scatter(S)
+        if factors is None:
+            factors = self.start(S, limit)
+        loadings, noise = self._step(S, factors, limit)
+        diagonal = _diagonal(np.broadcast_to(noise, S.shape[:-1]))
+        return symmetric(loadings @ loadings.mT) + diagonal, (loadings, noise)
+
+    @abstractmethod
+    def _step(self, S, factors, limit):
+        """Loadings (..., D, d) and noise (..., D) or (..., 1) after one step of EM on S."""
+
+
+@dataclass(frozen=True)
+class MFA(_Analysers):
     """Mixture of factor analysers: Sigma = Lambda Lambda' + diagonal, Eqs (11) and (57-63).
 
     Parameters
@@ -145,14 +164,6 @@ class MFA(_Subspace):
     """
 
     name = "mfa"
-
-    def fit(self, S, factors, limit):
-        """Do one step of Eqs (60-63) from ``factors`` (Lambda, psi)."""
-        S = limit.scatter(S)
-        if factors is None:
-            factors = self.start(S, limit)
-        loadings, noise = self._step(S, factors, limit)
-        return symmetric(loadings @ loadings.mT) + _diagonal(noise), (loadings, noise)
 
     def start(self, covariance, limit):
         """Principal factors of the correlations, then sweeps of factor analysis."""
@@ -167,6 +178,7 @@ class MFA(_Subspace):
         return factors
 
     def _step(self, S, factors, limit):
+        """Eqs (60-63)."""
         L, psi = factors
         scaled = L / psi[..., None]
         # B = L' (L L' + Psi)^-1, Eq. (63), through a d x d inverse (Woodbury).
@@ -183,7 +195,7 @@ class MFA(_Subspace):
 
 
 @dataclass(frozen=True)
-class MPPCA(_Subspace):
+class MPPCA(_Analysers):
     """Mixture of probabilistic principal component analysers, Eqs (64-68).
 
     Parameters
@@ -193,15 +205,6 @@ class MPPCA(_Subspace):
     """
 
     name = "mppca"
-
-    def fit(self, S, factors, limit):
-        """Do one step of Eqs (64-68) from ``factors`` (Lambda, sigma^2)."""
-        S = limit.scatter(S)
-        if factors is None:
-            factors = self.start(S, limit)
-        loadings, noise = self._step(S, factors, limit)
-        covariance = symmetric(loadings @ loadings.mT) + noise[..., None] * np.eye(S.shape[-1])
-        return covariance, (loadings, noise)
 
     def start(self, covariance, limit):
         """Principal components of the covariance, then sweeps of the analyser on it."""
@@ -213,6 +216,7 @@ class MPPCA(_Subspace):
         return factors
 
     def _step(self, S, factors, limit):
+        """Eqs (64-68)."""
         L, noise = factors
         M = L.mT @ L + noise[..., None] * _identity(L)
         SL = S @ L

@@ -16,16 +16,8 @@ class Mechanism:
         Its q (n,) and v (n,) are the joints in their order; armature is included.
     sites : dict of str to int
         Pinocchio's frame id of every site that the robot carries, and of those in the world.
-    joints : tuple of str
-        In the order of q.
-    hands : dict of str to str
-        Site of each hand.
-    lower, upper, velocity_limit, torque_limit : (n,)
-        Limits in rad, rad/s, Nm (m, m/s, N for slides); infinite where there is none.
-    home : (n,)
-        Home posture [rad].
-    damping : (n,)
-        Viscous damping of the joints [Nms/rad].
+    joints, hands, lower, upper, velocity_limit, torque_limit, home, damping
+        As :class:`tpsim.robot.robot.Robot` has them.
     springs, slack : (n,)
         Stiffness [Nm/rad] of the joints' own springs, and where they are slack [rad].
     """

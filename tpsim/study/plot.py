@@ -65,11 +65,7 @@ def overlay(
 
     Parameters are those of :func:`panels`, with one trial under each heading.
     """
-    _some(records)
-    figure, (axis,) = new_figure(height=2.7)
-    for (name, record), colour in zip(records.items(), colours(records), strict=True):
-        axis.plot(record["time"], scalar(record), color=colour, lw=1.8, label=name)
-    return _finish(figure, axis, list(records.values()), label, limit)
+    return _curves({name: (one, scalar) for name, one in records.items()}, label, limit)
 
 
 def signals(
@@ -79,11 +75,20 @@ def signals(
 
     Parameters are those of :func:`panels`, with one scalar under each heading.
     """
-    _some(scalars)
+    return _curves({name: (record, one) for name, one in scalars.items()}, label, limit)
+
+
+def _curves(named: Mapping[str, tuple[Record, Scalar]], label: str, limit: float | None) -> Figure:
+    _some(named)
     figure, (axis,) = new_figure(height=2.7)
-    for (name, scalar), colour in zip(scalars.items(), colours(scalars), strict=True):
+    for (name, (record, scalar)), colour in zip(named.items(), colours(named), strict=True):
         axis.plot(record["time"], scalar(record), color=colour, lw=1.8, label=name)
-    return _finish(figure, axis, [record], label, limit)
+    _shade_push(axis, [record for record, _ in named.values()])
+    limit_line([axis], limit)
+    axis.set_xlabel("time [s]", color=INK)
+    axis.set_ylabel(label, color=INK)
+    legend(axis)
+    return figure
 
 
 def paired_bars(
@@ -157,17 +162,6 @@ def strips(
             xycoords=axis.get_xaxis_transform(),
         )
     axis.set_xlabel(label, color=INK)
-    return figure
-
-
-def _finish(
-    figure: Figure, axis: Axes, records: Sequence[Record], label: str, limit: float | None
-) -> Figure:
-    _shade_push(axis, records)
-    limit_line([axis], limit)
-    axis.set_xlabel("time [s]", color=INK)
-    axis.set_ylabel(label, color=INK)
-    legend(axis)
     return figure
 
 

@@ -1,6 +1,6 @@
 """Records: what was asked for and what happened, and how they are found."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -103,3 +103,8 @@ class Records(Sequence[Record]):
             if (labels is None or record.condition.label in labels)
             and (controller is None or record.condition.controller == controller)
         ]
+
+    def groups(self, texts: Mapping[str, str]) -> dict[str, list[Record]]:
+        """The learned controller's records under each text, of those labels that have any."""
+        found = {text: self.select(label) for label, text in texts.items()}
+        return {text: records for text, records in found.items() if records}

@@ -1,15 +1,13 @@
 """A task as an environment of dm_env, for other people's agents."""
 
 import warnings
-from collections.abc import Sequence
+from typing import Unpack
 
 import numpy as np
 from dm_env import specs
 
-from tpsim.task.performance import Action, OwnController, Performance
-from tpsim.task.task import Models, Task
-from tpsim.world.episode import Person
-from tpsim.world.plant import NOMINAL, Plant
+from tpsim.task.performance import Options, OwnController, Performance
+from tpsim.task.task import Task
 
 with warnings.catch_warnings():
     # Looking for a renderer, dm_control warns where there is no display.
@@ -107,18 +105,7 @@ class Environment(control.Environment):
         return specs.BoundedArray((), float, 0.0, 1.0, name="reward")
 
 
-def environment(
-    task: Task,
-    *,
-    models: Models | None = None,
-    seed: int = 0,
-    action: Action = "torque",
-    duration: float | None = None,
-    control_timestep: float | None = None,
-    stiffness: float = 100.0,
-    people: Sequence[Person] = (),
-    plant: Plant = NOMINAL,
-) -> Environment:
+def environment(task: Task, *, seed: int = 0, **options: Unpack[Options]) -> Environment:
     """Make a task an environment of dm_env (``dm_control.rl.control.Environment``).
 
     Episode i is situation i of the seed. The agent sees joints, sites, objects and the task's
@@ -137,8 +124,8 @@ def environment(
     duration : float, optional
         Of an episode [s]; the task's own by default.
     control_timestep : float, optional
-        Time between two actions [s], a multiple of the time step of the physics, which it is by
-        default. Under impedance the spring follows at every time step all the same.
+        Time between two actions [s], a multiple of the time step of the physics; the plant's
+        control period by default. Under impedance the spring follows at that period all the same.
     stiffness : float
         Of every joint under impedance, as acceleration [1/s^2]; critically damped.
     people : sequence of Push or Guide
@@ -177,14 +164,4 @@ def environment(
     >>> print(f"{len(rewards)} steps of {cup.control_timestep()} s, reward {np.mean(rewards):.1f}")
     25 steps of 0.02 s, reward 1.0
     """
-    performance = Performance(
-        task,
-        models=models,
-        action=action,
-        duration=duration,
-        control_timestep=control_timestep,
-        stiffness=stiffness,
-        people=people,
-        plant=plant,
-    )
-    return Environment(Movement(performance, seed))
+    return Environment(Movement(Performance(task, **options), seed))

@@ -1,17 +1,14 @@
 """A task as an environment of Gymnasium; the built-in ones have ids, see tpsim.tasks.gymnasium."""
 
-from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import mujoco
 import numpy as np
 
 from tpsim.errors import ArgumentError, RenderingError
 from tpsim.film.rendering import HINT
-from tpsim.task.performance import Action, Performance
-from tpsim.task.task import Models, Task
-from tpsim.world.episode import Person
-from tpsim.world.plant import NOMINAL, Plant
+from tpsim.task.performance import Options, Performance
+from tpsim.task.task import Task
 
 try:
     import gymnasium
@@ -117,15 +114,9 @@ class TaskEnvironment(gymnasium.Env[Observation, np.ndarray]):
 def gym_environment(
     task: Task,
     *,
-    models: Models | None = None,
     seed: int | None = None,
-    action: Action = "torque",
-    duration: float | None = None,
-    control_timestep: float | None = None,
-    stiffness: float = 100.0,
-    people: Sequence[Person] = (),
-    plant: Plant = NOMINAL,
     render_mode: str | None = None,
+    **options: Unpack[Options],
 ) -> TaskEnvironment:
     """Make a task an environment of Gymnasium.
 
@@ -155,14 +146,4 @@ def gym_environment(
     >>> print(f"{reward:.1f}", terminated, truncated)
     1.0 False False
     """
-    performance = Performance(
-        task,
-        models=models,
-        action=action,
-        duration=duration,
-        control_timestep=control_timestep,
-        stiffness=stiffness,
-        people=people,
-        plant=plant,
-    )
-    return TaskEnvironment(performance, seed, render_mode)
+    return TaskEnvironment(Performance(task, **options), seed, render_mode)

@@ -6,7 +6,7 @@ given as actions, repeat its roll-out bit for bit.
 """
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Literal, TypedDict
 
 import numpy as np
 
@@ -32,27 +32,26 @@ TURN = 2 * np.pi
 """How far from home an agent may command a joint without limits [rad]."""
 
 
+class Options(TypedDict, total=False):
+    """What :class:`Performance` may be given beside its task, for environments to pass on."""
+
+    models: Models | None
+    action: Action
+    duration: float | None
+    control_timestep: float | None
+    stiffness: float
+    people: Sequence[Person]
+    plant: Plant
+
+
 class Performance:
     """One task, performed by an agent, episode by episode.
 
     Parameters
     ----------
     task : Task
-    models : mapping of str to TPGMM, optional
-        What :meth:`controller` makes the task's own controller of.
-    action : str
-        One of ``ACTIONS``.
-    duration : float, optional
-        Of an episode [s]; the task's own by default.
-    control_timestep : float, optional
-        Time between two actions [s], a multiple of the time step of the physics; the plant's
-        control period by default. Under impedance the spring follows at that period all the same.
-    stiffness : float
-        Of every joint under impedance, as acceleration [1/s^2]; critically damped.
-    people : sequence of Person
-        Who pushes and leads the robot in every episode.
-    plant : Plant
-        How the simulated robot differs from the controller's model.
+    models, action, duration, control_timestep, stiffness, people, plant
+        As :func:`tpsim.task.environment.environment` describes them.
 
     Attributes
     ----------

@@ -28,8 +28,7 @@ _LABELS = {
 
 def sections(records: Records) -> list[Section]:
     """Angles to both objects over time, and the learned precision of the frames."""
-    groups = {text: records.select(label) for label, text in _LABELS.items()}
-    groups = {text: found for text, found in groups.items() if found}
+    groups = records.groups(_LABELS)
     shown = []
     for name in OBJECTS if groups else ():
         start, end = PHASES[name]

@@ -37,8 +37,7 @@ _TEXTS = {
 
 def sections(records: Records) -> list[Section]:
     """Paths from above, errors over time, stiffness, as far as the trials show them."""
-    groups = {text: records.select(label) for label, text in _TEXTS.items()}
-    groups = {text: trials for text, trials in groups.items() if trials}
+    groups = records.groups(_TEXTS)
     if not groups:
         return []
     shown = {text: trials for text, trials in groups.items() if "pushed" not in text}

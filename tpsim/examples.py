@@ -7,6 +7,7 @@ import numpy as np
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
+from tpsim.timeline import rest_to_rest
 
 LETTERS = {
     "G": [(0.7, 0.8), (0, 1), (-0.8, 0), (0, -1), (0.8, -0.6), (0.8, 0), (0.2, 0)],
@@ -59,7 +60,7 @@ def u_demonstration(
     leave, enter = (frame.b + EXIT * frame.A[:, 1] for frame in frames)
     middle = 0.5 * (leave + enter) + np.array([0.0, 0.4 + bend])
     time = np.linspace(0.0, duration, samples)
-    phase = _minimum_jerk(time / duration)
+    phase = rest_to_rest(time / duration)
     data = _bezier([start, leave, middle, enter, end], phase)
     return Demonstration(time, data, frames)
 
@@ -100,7 +101,7 @@ def letters(
     rng = np.random.default_rng(2016) if rng is None else rng
     points = np.array(LETTERS[name])
     time = np.linspace(0.0, 2.0, samples)
-    phase = _minimum_jerk(time / 2.0)
+    phase = rest_to_rest(time / 2.0)
     passed = np.linspace(0.0, 1.0, len(points))
     return [
         Demonstration(time, CubicSpline(passed, moved)(phase), name=name)
@@ -111,10 +112,6 @@ def letters(
 def _rotation(angle: float) -> np.ndarray:
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s], [s, c]])
-
-
-def _minimum_jerk(phase: np.ndarray) -> np.ndarray:
-    return phase**3 * (10 - 15 * phase + 6 * phase**2)
 
 
 def _bezier(points: list[np.ndarray], phase: np.ndarray) -> np.ndarray:

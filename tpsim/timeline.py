@@ -22,6 +22,11 @@ def progress(time: np.ndarray) -> np.ndarray:
     return np.linspace(0.0, 1.0, len(time)) if evenly_spaced(time) else phase(time)
 
 
+def rest_to_rest(phase: np.ndarray) -> np.ndarray:
+    """Progress (T,) of a movement at rest at both ends, the smoothest, over its phase (T,)."""
+    return phase**3 * (10 - 15 * phase + 6 * phase**2)
+
+
 def evenly_spaced(time: np.ndarray) -> bool:
     """Whether stamps (T,) are those of a regular clock, up to rounding and a little jitter."""
     if len(time) < 3:

@@ -27,11 +27,16 @@ def whole_path(path: Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
+def write_bytes(path: Path, content: bytes) -> Path:
+    """Write ``content`` to ``path``."""
+    with whole_file(path) as file:
+        file.write(content)
+    return path
+
+
 def write_text(path: Path, text: str) -> Path:
     """Write ``text`` to ``path``."""
-    with whole_file(path) as file:
-        file.write(text.encode())
-    return path
+    return write_bytes(path, text.encode())
 
 
 @contextmanager

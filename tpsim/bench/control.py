@@ -1,10 +1,10 @@
 """Speeds of optimal control: tracking, regulators, impedance, projection frames."""
 
 from collections.abc import Callable
-from time import process_time
 
 import numpy as np
 
+from tpsim.bench.timing import processor_time
 from tpsim.control import projection
 from tpsim.control.impedance import impedance
 from tpsim.control.lqr import lqr
@@ -34,22 +34,14 @@ def run(quick: bool = False) -> dict:
     for name, short_call in short_calls.items():
         # Both lengths in turn, so that what else the machine does weighs on both.
         times = np.array(
-            [(median_time(short_call, 5), median_time(long_calls[name], 1)) for _ in range(repeat)]
+            [
+                (processor_time(short_call, 5), processor_time(long_calls[name], 1))
+                for _ in range(repeat)
+            ]
         )
         figures[f"{name}_1000_ms"] = 1e3 * float(np.median(times[:, 0]))
         factors[f"{name}_factor_{long // 1000}"] = float(np.median(times[:, 1] / times[:, 0]))
     return figures | factors | _single_step(repeat)
-
-
-def median_time(call: Callable[[], object], repeat: int) -> float:
-    """Median processor time [s] of one call, after one that warms up."""
-    call()
-    times = []
-    for _ in range(repeat):
-        start = process_time()
-        call()
-        times.append(process_time() - start)
-    return float(np.median(times))
 
 
 def _tracking_calls(T: int) -> dict[str, Callable[[], object]]:
@@ -81,7 +73,7 @@ def _single_step(repeat: int) -> dict:
             J, q, J, x, np.eye(6), x
         ),
     }
-    return {key: 1e6 * median_time(call, 20 * repeat) for key, call in calls.items()}
+    return {key: 1e6 * processor_time(call, 20 * repeat) for key, call in calls.items()}
 
 
 def _stepwise_reference(T: int) -> tuple[np.ndarray, np.ndarray]:

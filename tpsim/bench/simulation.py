@@ -10,8 +10,7 @@ from time import perf_counter, process_time
 import mujoco
 import numpy as np
 
-from tpsim.bench.control import median_time
-from tpsim.bench.timing import one_core
+from tpsim.bench.timing import one_core, processor_time
 from tpsim.film import rendering
 from tpsim.film.clip import Clip
 from tpsim.film.video import film
@@ -82,14 +81,14 @@ def _physics(task: Task, repetitions: int) -> dict[str, float]:
         simulation.reset(simulation.robot.home)
         mujoco.mj_step(simulation.model, simulation.data, steps)
 
-    seconds = median_time(fall, 20 * repetitions)
+    seconds = processor_time(fall, 20 * repetitions)
     return {_key(task, "physics_factor"): steps * simulation.timestep / seconds}
 
 
 def _control(task: Task, models: Models, repetitions: int) -> dict[str, float]:
     situation = draw_situation(task, 0, 0)
     trial = partial(perform, task, models, situation, duration=DURATION)
-    return {_key(task, "realtime_factor"): DURATION / median_time(trial, repetitions)}
+    return {_key(task, "realtime_factor"): DURATION / processor_time(trial, repetitions)}
 
 
 def _environment(task: Task, repetitions: int) -> dict[str, float]:

@@ -57,7 +57,7 @@ class MinimalIntervention(RenewedImpedance):
             skills = list(self.skills)
             if self.prior is not None:
                 skills.append(posture_skill(self.prior, {"prior": Joints()}))
-            self._product = Product(skills, state.robot.n)
+            self._product = Product(skills)
             found = self._product.at(state)
             check_determined(found, state)
             return found

@@ -7,6 +7,7 @@ import numpy as np
 
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
+from tpsim.learning.gmm import log_priors
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.robot.state import State
 from tpsim.robot.views.view import View
@@ -96,11 +97,9 @@ class Product:
     Parameters
     ----------
     skills : sequence of Skill
-    n : int
-        Number of joints.
     """
 
-    def __init__(self, skills: Sequence[Skill], n: int):
+    def __init__(self, skills: Sequence[Skill]):
         if not skills:
             raise ArgumentError("no skill was given; give at least one")
         pairs = [
@@ -114,7 +113,6 @@ class Product:
         self._fixed = None
         if all(expert.components == 1 for expert in self._experts):
             self._fixed = self._mix(np.zeros(self.stack.size))
-        self._n = n
 
     def _mix(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         W, target = self._experts[0].information(y)
@@ -125,7 +123,8 @@ class Product:
 
     def at(self, state: State) -> Information:
         """The product at a state."""
-        y, J = np.zeros(self.stack.size), np.zeros((self.stack.size, self._n))
+        size = self.stack.size
+        y, J = np.zeros(size), np.zeros((size, state.robot.n))
         self.stack.see(state, y, J)
         W, Wmu = self._fixed or self._mix(y)
         return Information(y, J, W, Wmu)
@@ -151,7 +150,7 @@ class StackedModel:
         model = skill.model
         self.components = K = model.components
         self.precision, self.mean = np.zeros((K, stack.size, stack.size)), np.zeros((K, stack.size))
-        self.log_priors = np.log(np.maximum(model.priors, np.finfo(float).tiny))
+        self.log_priors = log_priors(model.priors)
         self._bias = self.log_priors.copy()
         for view, gaussian in zip(skill.views.values(), model.frames, strict=True):
             rows = stack.blocks[view]

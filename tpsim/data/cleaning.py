@@ -173,7 +173,7 @@ def _filtered(demonstration: Demonstration, width: int, order: int) -> Demonstra
         Frame(_like(smooth(frame.A), frame.A), smooth(frame.b)) if frame.shape else frame
         for frame in demonstration.frames
     ]
-    observations = tuple(smooth(o) for o in demonstration.observations or ())
+    observations = tuple(smooth(o) for o in demonstration.observations)
     return Demonstration(
         demonstration.time,
         smooth(demonstration.data),
@@ -185,11 +185,11 @@ def _filtered(demonstration: Demonstration, width: int, order: int) -> Demonstra
 
 def _observations(before: Demonstration, after: Demonstration) -> tuple[np.ndarray, ...]:
     """What frames see of the smoothed movement, by Eq. (4) where they saw the movement by it."""
-    views = zip(before.frames, before.observations or (), after.frames, strict=True)
+    views = zip(before.frames, before.observations, after.frames, strict=True)
     return tuple(
         frame.to_local(after.data)
         if np.allclose(seen, old.to_local(before.data), rtol=1e-9, atol=1e-12)
-        else (after.observations or ())[j]
+        else after.observations[j]
         for j, (old, seen, frame) in enumerate(views)
     )
 

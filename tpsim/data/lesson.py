@@ -16,7 +16,7 @@ from tpsim.data.writers.table import write_csv
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
-from tpsim.whole import whole_file, write_text
+from tpsim.whole import write_bytes, write_text
 
 
 def learned(
@@ -51,7 +51,7 @@ def learned(
         "retrieved": write_csv(
             out / "retrieved.csv", _as_demonstrations(movements, retrieved, labels)
         ),
-        "plot": _save(out / "learned.png", draw(movements, retrieved, labels, frames)),
+        "plot": write_bytes(out / "learned.png", draw(movements, retrieved, labels, frames)),
         "summary": out / "summary.json",
     }
     about["paths"] = {name: str(path) for name, path in paths.items()}
@@ -114,9 +114,3 @@ def _as_demonstrations(
         mean[:, turn] /= np.linalg.norm(mean[:, turn], axis=1, keepdims=True) if turn else 1.0
         found.append(Demonstration(movement.time, mean, movement.frames, name=movement.name))
     return found
-
-
-def _save(path: Path, png: bytes) -> Path:
-    with whole_file(path) as file:
-        file.write(png)
-    return path

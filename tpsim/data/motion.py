@@ -17,7 +17,7 @@ def part(demonstration: Demonstration, start: int, stop: int) -> Demonstration:
         time=demonstration.time[rows],
         data=demonstration.data[rows],
         frames=tuple(frame[rows] if frame.shape else frame for frame in demonstration.frames),
-        observations=tuple(o[rows] for o in demonstration.observations or ()),
+        observations=tuple(o[rows] for o in demonstration.observations),
     )
 
 

@@ -2,16 +2,14 @@
 
 import numpy as np
 
+from tpsim.arrays import LARGEST
 from tpsim.data.recording import Recording, Series
 from tpsim.errors import RecordingError
-
-BEYOND = 1e100
-"""Numbers beyond this are no measurements: their squares overflow."""
 
 
 def usable(values: np.ndarray) -> np.ndarray:
     """Where all numbers of a row (T, d) are finite and not beyond all range, (T,)."""
-    return (np.abs(values) < BEYOND).all(1)
+    return (np.abs(values) < LARGEST).all(1)
 
 
 def refuse(recording: Recording, series: Series, what: str, bad: np.ndarray) -> None:

@@ -104,13 +104,13 @@ def _of_demonstration(demonstration: Demonstration, number: int, own: bool) -> S
         columns[f"A_{j}"] = np.broadcast_to(frame.A, (T, *frame.A.shape[-2:])).reshape(T, -1)
         columns[f"b_{j}"] = np.broadcast_to(frame.b, (T, frame.b.shape[-1]))
     if own:
-        columns |= {f"observation_{j}": o for j, o in enumerate(demonstration.observations or ())}
+        columns |= {f"observation_{j}": o for j, o in enumerate(demonstration.observations)}
     return Signals(demonstration.name or f"demonstration {number}", demonstration.time, columns)
 
 
 def _has_own_views(demonstration: Demonstration) -> bool:
     """Whether a frame saw something else than the data by Eq. (4)."""
-    views = zip(demonstration.frames, demonstration.observations or (), strict=True)
+    views = zip(demonstration.frames, demonstration.observations, strict=True)
     return not all(
         np.allclose(observation, frame.to_local(demonstration.data), rtol=1e-9, atol=1e-12)
         for frame, observation in views

@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 import pinocchio as pin
 
+from tpsim.covariance import symmetric
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.state import State
@@ -129,8 +130,8 @@ class HandFilter:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Stiffness and damping of a hand, within limits and rates."""
         limits, (K_before, D_before) = self._limits, self._gains[hand]
-        K = _below(_symmetric(hand_stiffness(J, now.stiffness)), limits.stiffness)
-        D = _below(_symmetric(hand_stiffness(J, now.damping)), limits.damping)
+        K = _below(symmetric(hand_stiffness(J, now.stiffness)), limits.stiffness)
+        D = _below(symmetric(hand_stiffness(J, now.damping)), limits.damping)
         K = _nearer(K_before, K, limits.stiffness_rate, period)
         D = _nearer(D_before, D, limits.damping_rate, period)
         self._gains[hand] = K, D
@@ -159,10 +160,6 @@ def _shares(J: np.ndarray, gains: np.ndarray, change: np.ndarray) -> np.ndarray:
     return np.array([C[r, r] @ wrench[r] for r in rows])
 
 
-def _symmetric(K: np.ndarray) -> np.ndarray:
-    return 0.5 * (K + K.T)
-
-
 def _roots(bound: Pair) -> np.ndarray:
     """Square roots (6,) of the bounds of every axis."""
     return np.sqrt(np.repeat(bound, 3))
@@ -175,7 +172,7 @@ def _below(K: np.ndarray, bound: Pair) -> np.ndarray:
     if values[0] >= 0 and values[-1] <= 1:
         return K
     clipped = (V * np.clip(values, 0, 1)) @ V.T
-    return _symmetric(clipped * np.outer(s, s))
+    return symmetric(clipped * np.outer(s, s))
 
 
 def _nearer(before: np.ndarray, K: np.ndarray, rate: Pair, period: float) -> np.ndarray:

@@ -35,9 +35,7 @@ def on_one_clock(
     demonstrations = list(demonstrations)
     if not demonstrations:
         raise ArgumentError("there is no demonstration; give at least one")
-    shapes = {
-        (d.data.shape[1], tuple(o.shape[1] for o in d.observations or ())) for d in demonstrations
-    }
+    shapes = {(d.data.shape[1], tuple(o.shape[1] for o in d.observations)) for d in demonstrations}
     if len(shapes) > 1:
         raise ArgumentError(
             "the demonstrations have (dimension, dimensions in the frames) "

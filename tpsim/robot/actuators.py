@@ -15,7 +15,7 @@ from tpsim.robot.force_limits import (
     stated_limit,
 )
 from tpsim.robot.others import driven_dofs
-from tpsim.robot.removal import Names, drives_joint, remove_references
+from tpsim.robot.removal import drives_joint, remove_actuator
 
 
 def torque_motors(
@@ -110,9 +110,7 @@ def _remove_tendon_drives(
         by_tendon = actuator.trntype == mujoco.mjtTrn.mjTRN_TENDON
         if by_tendon and pulls[actuator_id(model, actuator)]:
             changes.append(f"actuator '{actuator.name}' pulled at arm joints by a tendon: removed")
-            gone: Names = {(mujoco.mjtObj.mjOBJ_ACTUATOR, actuator.name)}
-            spec.delete(actuator)
-            changes += remove_references(spec, gone)
+            changes += remove_actuator(spec, actuator)
     return changes
 
 
@@ -153,9 +151,7 @@ def _remove(
         element.armature += gear**2 * actuator.armature
         for power, damping in enumerate(actuator.damping):
             element.damping[power] += gear ** (2 + power) * damping
-    gone: Names = {(mujoco.mjtObj.mjOBJ_ACTUATOR, actuator.name)}
-    spec.delete(actuator)
-    return remove_references(spec, gone)
+    return remove_actuator(spec, actuator)
 
 
 def _kind(model: mujoco.MjModel, actuator: int) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from tpsim.errors import SimulationError
+from tpsim.robot.kinematic_chain import objects
 
 
 @dataclass(frozen=True)
@@ -56,10 +57,11 @@ def pinocchio_model(
     # For every body: the Pinocchio joint that carries it and its placement there.
     carrier = {0: (0, pin.SE3.Identity())}
     ids: list[int] = []
+    free = objects(model)
     for b in range(1, model.nbody):
         parent = int(model.body_parentid[b])
         first, count = int(model.body_jntadr[b]), int(model.body_jntnum[b])
-        if parent not in carrier or _is_object(model, b):
+        if parent not in carrier or b in free:
             continue
         joint, placement = carrier[parent]
         placement = placement * _se3(model.body_quat[b], model.body_pos[b])
@@ -78,13 +80,6 @@ def pinocchio_model(
     _check(model, joints, ids)
     built.armature = np.array([_armature(model, j) for j in ids])
     return PinocchioModel(built, tuple(ids), _add_sites(built, model, carrier))
-
-
-def _is_object(model: mujoco.MjModel, body: int) -> bool:
-    """Whether a body is free or mocap."""
-    first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
-    free = (model.jnt_type[first : first + count] == mujoco.mjtJoint.mjJNT_FREE).any()
-    return bool(model.body_mocapid[body] >= 0 or (count and free))
 
 
 def _motion(model: mujoco.MjModel, joint: int) -> tuple[pin.JointModel, pin.SE3]:

@@ -35,6 +35,13 @@ def remove_tendon(spec: mujoco.MjSpec, tendon: mujoco.MjsTendon) -> list[str]:
     return changes + remove_references(spec, gone)
 
 
+def remove_actuator(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator) -> list[str]:
+    """Remove an actuator with the sensors and tuples that name it; say so of these."""
+    gone: Names = {(mujoco.mjtObj.mjOBJ_ACTUATOR, actuator.name)}
+    spec.delete(actuator)
+    return remove_references(spec, gone)
+
+
 def remove_references(spec: mujoco.MjSpec, gone: Names) -> list[str]:
     """Remove sensors and tuples that name elements which are gone; say so."""
     changes = []

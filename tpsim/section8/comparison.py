@@ -14,7 +14,7 @@ from tpsim.section8.report import write_comparison_report
 from tpsim.section8.results import Results
 from tpsim.section8.run import run
 from tpsim.study.canvas import to_png
-from tpsim.whole import whole_file, write_text
+from tpsim.whole import write_bytes, write_text
 
 
 def compare(
@@ -99,10 +99,7 @@ def _pictures(results: Results, methods: Mapping[str, Method], folder: Path) -> 
         figures["error-against-demonstrations"] = pictures.against_demonstrations(results, far)
     paths = []
     for name, figure in figures.items():
-        path = folder / f"{name}.png"
-        with whole_file(path) as file:
-            file.write(to_png(figure, dpi=110))
-        paths.append(path)
+        paths.append(write_bytes(folder / f"{name}.png", to_png(figure, dpi=110)))
     return paths
 
 

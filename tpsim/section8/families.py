@@ -10,6 +10,7 @@ from tpsim.demonstration import Demonstration
 from tpsim.examples import EXIT, u_demonstration, u_frames
 from tpsim.frame import Frame
 from tpsim.section8.method import Frames
+from tpsim.timeline import rest_to_rest
 
 BEND = 0.3  # how far a demonstration strays, where the task does not care [m]
 MARKER = Frame(np.array([[0.0, -1.0], [1.0, 0.0]]), np.array([0.3, -0.2]))  # on the second object
@@ -118,7 +119,7 @@ def _through_via_point(frames: tuple[Frame, ...], samples: int, bend: float) -> 
     points = [start.b, leave + free, via.b - past, via.b, via.b + past, enter + free, goal.b]
     knots = np.array([0.0, 0.2, 0.42, 0.5, 0.58, 0.8, 1.0])
     progress = np.linspace(0.0, 1.0, samples)
-    smooth = progress**3 * (10 - 15 * progress + 6 * progress**2)
+    smooth = rest_to_rest(progress)
     return Demonstration(2.0 * progress, CubicSpline(knots, np.array(points))(smooth), frames)
 
 

@@ -19,7 +19,7 @@ from tpsim.section8.statistics import bootstrap, ranks
 from tpsim.section8.trial import Trial, perform
 from tpsim.study.canvas import to_png
 from tpsim.study.report import Picture, Section, write_report
-from tpsim.whole import whole_file, write_text
+from tpsim.whole import write_bytes, write_text
 
 SHOWN = 4  # columns of the picture
 
@@ -82,9 +82,8 @@ def compare_left_out(
     trials = leave_one_out(demonstrations, methods)
     summary = _summary(trials)
     rows = [{"method": name} | _row(figures) for name, figures in summary.items()]
-    drawn = folder / "layout.png"
-    with whole_file(drawn) as file:
-        file.write(to_png(_picture(demonstrations, methods), dpi=110))
+    picture = to_png(_picture(demonstrations, methods), dpi=110)
+    drawn = write_bytes(folder / "layout.png", picture)
     paths = {
         "folder": folder,
         "table": tables.write_csv(folder / "comparison.csv", rows),

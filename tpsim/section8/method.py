@@ -91,7 +91,7 @@ def _then(frame: Frame, step: int) -> Frame:
 
 def views_of(demonstration: Demonstration) -> tuple[NDArray, ...]:
     """What each frame saw, (T, d_j)."""
-    return demonstration.observations or ()
+    return demonstration.observations
 
 
 def times_of(demonstrations: Sequence[Demonstration]) -> NDArray:

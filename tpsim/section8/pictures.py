@@ -84,21 +84,21 @@ def _plane(x: NDArray) -> NDArray:
     return x[:, :2] if x.shape[1] > 1 else np.column_stack([np.linspace(0, 1, len(x)), x])
 
 
-def against_distance(results: Results, figure: str = "rms") -> Figure:
-    """Draw a figure over the distance of the situations, with 95 % intervals."""
+def against_distance(results: Results) -> Figure:
+    """Draw rms over the distance of the situations, with 95 % intervals."""
     family, count = results.headline
     distances = results.plan.distances
-    estimates = [results.estimate(family, count, d, figure) for d in distances]
+    estimates = [results.estimate(family, count, d, "rms") for d in distances]
     xlabel = "spread of the situations, times that of the demonstrations"
-    return _curves(results, distances, estimates, xlabel, f"{figure} [m]")
+    return _curves(results, distances, estimates, xlabel, "rms [m]")
 
 
-def against_demonstrations(results: Results, distance: float, figure: str = "rms") -> Figure:
-    """Draw a figure at a distance over the number of demonstrations, with 95 % intervals."""
+def against_demonstrations(results: Results, distance: float) -> Figure:
+    """Draw rms at a distance over the number of demonstrations, with 95 % intervals."""
     family, _ = results.headline
     counts = results.plan.counts
-    estimates = [results.estimate(family, count, distance, figure) for count in counts]
-    ylabel = f"{figure} at {distance:g} times the spread [m]"
+    estimates = [results.estimate(family, count, distance, "rms") for count in counts]
+    ylabel = f"rms at {distance:g} times the spread [m]"
     return _curves(results, counts, estimates, "demonstrations", ylabel)
 
 

@@ -78,11 +78,11 @@ def main_table(results: Results) -> list[Row]:
     ]
 
 
-def family_table(results: Results, figure: str = "rms") -> list[Row]:
-    """One row per method: a figure at the farthest distance, by family and demonstrations."""
+def family_table(results: Results) -> list[Row]:
+    """One row per method: rms at the farthest distance, by family and demonstrations."""
     far = results.plan.distances[-1]
     columns = {
-        f"{family}, {count}": results.estimate(family, count, far, figure)
+        f"{family}, {count}": results.estimate(family, count, far, "rms")
         for family in results.plan.families
         for count in results.plan.counts
     }
@@ -119,14 +119,6 @@ def latex(rows: Sequence[Mapping[str, object]]) -> str:
         r"\end{tabular}",
     ]
     return "\n".join(lines) + "\n"
-
-
-def markdown(rows: Sequence[Mapping[str, object]]) -> str:
-    """Rows as a Markdown table."""
-    heads = list(rows[0])
-    lines = [heads, ["---", *["--:"] * (len(heads) - 1)]]
-    lines += [[str(row[head]) for head in heads] for row in rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
 
 
 def interval(estimate: Estimate, m: int, digits: int = 3) -> str:

@@ -10,7 +10,7 @@ from tpsim.robot.description import Description
 from tpsim.study.files import limits
 from tpsim.study.files.inside import checksum, read_inside, read_text_inside
 from tpsim.study.files.scene_check import check_scene
-from tpsim.whole import whole_file, write_text
+from tpsim.whole import write_bytes, write_text
 from tpsim.world.world import World
 
 SCENE, ASSETS = "scene.xml", "assets"
@@ -27,8 +27,7 @@ def write_world(folder: Path, world: World) -> tuple[str, dict[str, str]]:
     check_scene(world.xml, world.assets, folder / SCENE)
     sums = {}
     for name, content in world.assets.items():
-        with whole_file(folder / ASSETS / name) as file:
-            file.write(content)
+        write_bytes(folder / ASSETS / name, content)
         sums[name] = checksum(content)
     write_text(folder / SCENE, world.xml)
     return checksum(world.xml.encode()), sums

@@ -5,6 +5,7 @@ import numpy as np
 from tpsim import rotation
 from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
+from tpsim.timeline import rest_to_rest
 from tpsim.world.people.guide import HandPath
 from tpsim.world.people.script import Variation, wandering
 
@@ -34,7 +35,7 @@ def through(times, postures, timestep: float) -> np.ndarray:
     clock = timestep * (1 + np.arange(round(times[-1] / timestep)))
     segment = np.clip(np.searchsorted(times, clock) - 1, 0, len(times) - 2)
     s = (clock - times[segment]) / np.diff(times)[segment]
-    way = s**3 * (10 - 15 * s + 6 * s**2)
+    way = rest_to_rest(s)
     return postures[segment] + way[:, None] * (postures[segment + 1] - postures[segment])
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 from scipy.signal import lfilter
 
-from tpsim import rotation
+from tpsim import rotation, timeline
 from tpsim.errors import ArgumentError
 from tpsim.world.people.guide import HandPath
 
@@ -148,7 +148,7 @@ def straight(origin, travel, seconds, rest, timestep) -> HandPath:
     origin, travel = np.asarray(origin, float), np.asarray(travel, float)
     steps, still = round(seconds / timestep), round(rest / timestep)
     s = (np.arange(steps) + 1) / steps
-    way = np.concatenate([s**3 * (10 - 15 * s + 6 * s**2), np.ones(still)])
+    way = np.concatenate([timeline.rest_to_rest(s), np.ones(still)])
     speed = np.concatenate([30 * s**2 * (1 - s) ** 2 / seconds, np.zeros(still)])
     return HandPath(
         origin + way[:, None] * travel,

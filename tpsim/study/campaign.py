@@ -24,7 +24,6 @@ from tpsim.study.study import Lab, Plan, Study
 from tpsim.study.teaching import taught_all
 from tpsim.study.teaching_files import write_demonstrations
 from tpsim.task.verbs import learn
-from tpsim.whole import whole_path
 
 
 def run(
@@ -139,16 +138,14 @@ def _report(
         sections = series.sections(records, study.all_measures)
     else:
         sections = study.sections(records)
-    with whole_path(run.folder / "report.html") as temporary:
-        write_report(
-            temporary,
-            title=study.title or task.name,
-            lead=study.lead or inspect.cleandoc(type(task).__doc__ or "").partition("\n\n")[0],
-            command=run.file.command,
-            figures=results,
-            sections=[*sections, learned.section(task, lab.models)],
-            film=film,
-            no_film=hint,
-            about={"seed": run.file.seed, "started": run.file.started},
-        )
-    return run.folder / "report.html"
+    return write_report(
+        run.folder / "report.html",
+        title=study.title or task.name,
+        lead=study.lead or inspect.cleandoc(type(task).__doc__ or "").partition("\n\n")[0],
+        command=run.file.command,
+        figures=results,
+        sections=[*sections, learned.section(task, lab.models)],
+        film=film,
+        no_film=hint,
+        about={"seed": run.file.seed, "started": run.file.started},
+    )

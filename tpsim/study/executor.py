@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -110,17 +111,7 @@ def perform_all(
         yield from pool.map(conditions)
 
 
-class _Bench:
-    """What a worker performs conditions with."""
-
-    def __init__(self, study: Study, models: Models):
-        self._study, self._models = study, models
-
-    def __call__(self, condition: Condition) -> Trial:
-        return perform_condition(self._study, self._models, condition)
-
-
-def _open(made: tuple[Study, Models, tuple]) -> _Bench:
+def _open(made: tuple[Study, Models, tuple]) -> "partial[Trial]":
     study, models, world = made
     task = study.task.in_world(World(*world))
-    return _Bench(replace(study, task=task), models)
+    return partial(perform_condition, replace(study, task=task), models)

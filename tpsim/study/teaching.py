@@ -93,7 +93,6 @@ def learn(
     if out is None:
         target = paths.recordings() / "models" / task.name
         with replaced(target) as new:
-            new.mkdir()
             files = [target / file.name for file in save_models(new, models)]
     else:
         out.mkdir(parents=True, exist_ok=True)
@@ -136,5 +135,4 @@ def _taught(task: Task, count: int, seed: int, behaviour: str) -> list[Trial]:
         say(f"teaching {name}: attempt {attempt + 1} {outcome}, {good} of {count} good")
 
     with threadpool_limits(1):
-        trials = teach_behaviours(task, count, seed, [behaviour], tell)[behaviour]
-    return [trial.with_about(behaviour=behaviour) for trial in trials]
+        return teach_behaviours(task, count, seed, [behaviour], tell)[behaviour]

@@ -1,7 +1,6 @@
 """Demonstrations and models in folders: taught and learned once, used by later commands."""
 
 import shutil
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +11,7 @@ from tpsim.study.files.run import Run, load_run, open_run
 from tpsim.study.study import Study
 from tpsim.task.task import Task
 from tpsim.task.verbs import Taught
+from tpsim.whole import whole_folder
 from tpsim.world.trial import Trial
 
 
@@ -93,8 +93,6 @@ def _place(folder: Path | None, behaviour: str) -> Path:
 @contextmanager
 def replaced(target: Path) -> Iterator[Path]:
     """A new folder that takes the place of ``target`` when all went well."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=target.parent) as temporary:
-        yield Path(temporary) / "new"
+    with whole_folder(target) as new:
+        yield new
         shutil.rmtree(target, ignore_errors=True)
-        (Path(temporary) / "new").rename(target)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -10,6 +11,8 @@ from tpsim.robot.objects import Objects
 from tpsim.robot.state import State
 from tpsim.robot.views.view import View
 from tpsim.task.task import Task
+
+T = TypeVar("T")
 
 
 def check(task: Task) -> None:
@@ -62,8 +65,7 @@ def _look(what: str, view: object, state: State) -> None:
     if not isinstance(view, View):
         hint = "; say which part, such as .pose or .position" if hasattr(view, "pose") else ""
         raise ArgumentError(f"{what} is {view!r}, which is no view{hint}")
-    _telling(what, lambda: view(state))
-    seen = view(state)
+    seen = _telling(what, lambda: view(state))
     if np.ndim(seen.value) != 1 or np.shape(seen.jacobian) != (len(seen.value), state.robot.n):
         raise ArgumentError(
             f"{what} has a value of shape {np.shape(seen.value)} and a Jacobian of shape "
@@ -71,8 +73,8 @@ def _look(what: str, view: object, state: State) -> None:
         )
 
 
-def _telling(what: str, work: Callable[[], object]) -> None:
+def _telling(what: str, work: Callable[[], T]) -> T:
     try:
-        work()
+        return work()
     except TpsimError as error:
         raise type(error)(f"{what}: {error}") from None

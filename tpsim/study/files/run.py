@@ -20,7 +20,7 @@ from tpsim.study.files.checked import from_json, plain, to_json
 from tpsim.study.files.inside import checksum, inside, read_text_inside
 from tpsim.study.files.models_file import load_models, model_files, save_models
 from tpsim.study.files.run_file import UNITS, RunFile, Whole, git_commit, now
-from tpsim.study.files.scene import read_world, write_world
+from tpsim.study.files.scene import SCENE, read_world, write_world
 from tpsim.study.files.trial_file import SCHEMA, load_trial, save_trial
 from tpsim.study.study import Study
 from tpsim.task.task import Models
@@ -210,7 +210,7 @@ def _claim(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         if not os.listdir(folder):
-            (folder / "scene.xml").touch(exist_ok=False)
+            (folder / SCENE).touch(exist_ok=False)
             return
     except FileExistsError:
         pass

@@ -26,8 +26,7 @@ from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Object, Site
 from tpsim.scene.compose import Held, Placed, world
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
-from tpsim.tasks.cup_and_sugar.task import CAMERAS, TABLE
-from tpsim.tasks.robots import FLOOR, baxter
+from tpsim.tasks.robots import CAMERAS, FLOOR, TABLE, baxter
 from tpsim.tasks.transfer import docks
 from tpsim.world.teaching import Lesson
 from tpsim.world.trial import Trial

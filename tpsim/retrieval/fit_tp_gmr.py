@@ -1,8 +1,8 @@
 """TP-GMR for who does not want to choose: structure and number of components by the data."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property, partial
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +18,12 @@ from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.retrieval.clock import on_one_clock
 from tpsim.retrieval.distribution import fuse_frames
 from tpsim.retrieval.gmr import gmr
-from tpsim.retrieval.left_out import choose
+from tpsim.retrieval.left_out import choose_components
 from tpsim.retrieval.tp_gmr import Order, tp_gmr
 
 COMPONENTS = (4, 6, 8, 11, 15)
 """Numbers of components that are tried."""
 
-WITHOUT_CHOICE = 8  # where too few demonstrations leave no choice
 SHRUNK = "shrunk"
 
 
@@ -109,10 +108,8 @@ def fit_tp_gmr(
     def fit(K: int, taught: list[Demonstration]) -> TPGMR:
         return TPGMR(_model(taught, K, covariance), taught[0].time, order)
 
-    middle = min(numbers, key=lambda K: abs(K - WITHOUT_CHOICE))
-    best, errors = choose({K: partial(fit, K) for K in numbers}, demonstrations, middle)
-    chosen = fit(best, demonstrations)
-    return TPGMR(chosen.model, chosen.times, order, errors)
+    best, errors = choose_components(fit, numbers, demonstrations)
+    return replace(fit(best, demonstrations), errors=errors)
 
 
 def numbers_of(components: int | Iterable[int]) -> list[int]:

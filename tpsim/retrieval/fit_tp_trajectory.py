@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +18,11 @@ from tpsim.retrieval.clock import on_one_clock
 from tpsim.retrieval.distribution import fuse_frames
 from tpsim.retrieval.fit_tp_gmr import numbers_of
 from tpsim.retrieval.gmr import gmr
-from tpsim.retrieval.left_out import choose, left_out_scale
+from tpsim.retrieval.left_out import choose_components, left_out_scale
 from tpsim.retrieval.trajectory import trajectory
 
 COMPONENTS = (5, 8, 12)
 """Numbers of components that are tried."""
-
-WITHOUT_CHOICE = 8  # where too few demonstrations leave no choice
 
 VELOCITY_SHARE = 0.5
 """How much velocity counts beside position, of what Eq. 30 says.
@@ -120,11 +118,15 @@ def fit_tp_trajectory(
     demonstrations = on_one_clock(demonstrations)
     numbers = numbers_of(components)
 
-    def fit(K: int, taught: list[Demonstration]) -> TPTrajectory:
-        return TPTrajectory(_model(taught, K, shrunk), taught[0].time)
+    # Fits that choose K without some demonstrations give the scale as well.
+    @cache
+    def learned(K: int, taught: tuple[Demonstration, ...]) -> TPTrajectory:
+        return TPTrajectory(_model(list(taught), K, shrunk), taught[0].time)
 
-    middle = min(numbers, key=lambda K: abs(K - WITHOUT_CHOICE))
-    best, errors = choose({K: partial(fit, K) for K in numbers}, demonstrations, middle)
+    def fit(K: int, taught: list[Demonstration]) -> TPTrajectory:
+        return learned(K, tuple(taught))
+
+    best, errors = choose_components(fit, numbers, demonstrations)
     scale = left_out_scale(partial(fit, best), demonstrations)
     steps = len(demonstrations[0]) / best
     return replace(fit(best, demonstrations), scale=scale or steps, errors=errors)

@@ -1,6 +1,7 @@
 """Choosing by demonstrations that were left out: what predicts them best is kept."""
 
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -11,6 +12,7 @@ from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
 
 FOLDS = 5  # at most: more demonstrations are left out in groups
+WITHOUT_CHOICE = 8  # components, where too few demonstrations leave no choice
 LEAST = 3  # fewer demonstrations leave nothing to learn from when one is left out
 
 Key = TypeVar("Key", bound=Hashable)
@@ -67,6 +69,20 @@ def choose(
         return otherwise, {}
     errors = {key: left_out_error(fit, demonstrations) for key, fit in candidates.items()}
     return min(errors, key=errors.__getitem__), errors
+
+
+def choose_components(
+    fit: Callable[[int, list[Demonstration]], Retriever],
+    numbers: Sequence[int],
+    demonstrations: Sequence[Demonstration],
+) -> tuple[int, dict[int, float]]:
+    """Number of components that predicts demonstrations best, and the errors of all [m].
+
+    ``fit(K, demonstrations)`` learns with K components. Without a choice, as :func:`choose` says,
+    the number nearest to 8 is taken.
+    """
+    nearest = min(numbers, key=lambda K: abs(K - WITHOUT_CHOICE))
+    return choose({K: partial(fit, K) for K in numbers}, demonstrations, nearest)
 
 
 def _left_out(

@@ -57,7 +57,7 @@ from tpsim.robot.views.sites import Object as Object
 from tpsim.robot.views.sites import Site as Site
 from tpsim.robot.views.view import Seen as Seen
 from tpsim.robot.views.view import View as View
-from tpsim.robot.views.view import observe as observe
+from tpsim.robot.views.observe import observe as observe
 from tpsim.scene.compose import Camera as Camera
 from tpsim.scene.compose import Held as Held
 from tpsim.scene.compose import Placed as Placed

@@ -1,10 +1,13 @@
 """Minimal intervention at torque level: precise where it was learned, soft elsewhere."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
+from tpsim.checks import number
+from tpsim.controllers.friction import damping, felt_mass
 from tpsim.controllers.product import Information, Product, Skill, posture_skill
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.errors import ArgumentError, SimulationError
@@ -17,14 +20,22 @@ from tpsim.world.impedance import Impedance
 class MinimalIntervention(RenewedImpedance):
     """The product of all frames of all skills, as stiffness and damping (Eqs 5-6, 34, Section 6).
 
-    See :func:`optimum` for the law.
+    Stiffness is the optimum of :func:`optimum`. Directions in which no frame matters
+    (:mod:`tpsim.learning.free_movement`) have none: there the arm stays where it is put, and
+    friction is what a person feels who leads it (:mod:`~tpsim.controllers.friction`).
 
     Parameters
     ----------
     skills : sequence of Skill
-    effort : float
-        Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement: the one
-        number that sets how soft the robot is.
+    bandwidth : float
+        Natural frequency [Hz] of the most precise direction; all others follow from their
+        precision beside it. The default is as fast as a loop allows whose torque comes 5 ms after
+        what it answers (:func:`bandwidth_for`): half of what makes the arm unstable.
+    friction : float
+        What a person feels who leads a hand where it is free [Ns/m]: 18 N at 0.1 m/s.
+    effort : float, optional
+        Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement, instead
+        of ``bandwidth``.
     prior : Gaussian (n,), optional
         Joint posture [rad] for directions that no frame determines.
     every : int
@@ -37,13 +48,24 @@ class MinimalIntervention(RenewedImpedance):
         self,
         skills: Sequence[Skill],
         *,
-        effort: float = 0.2,
+        bandwidth: float | None = None,
+        friction: float = 180.0,
+        effort: float | None = None,
         prior: Gaussian | None = None,
         every: int = 16,
     ):
         super().__init__(every)
-        self.skills, self.effort, self.prior = tuple(skills), checked_effort(effort), prior
+        if bandwidth is not None and effort is not None:
+            raise ArgumentError("bandwidth and effort were given; give one of them")
+        self.skills, self.prior = tuple(skills), prior
+        self.bandwidth = number(
+            "bandwidth", bandwidth_for() if bandwidth is None else bandwidth, above=0
+        )
+        self.friction = number("friction", friction, least=0)
+        self.effort = None if effort is None else checked_effort(effort)
         self._product: Product | None = None
+        self._rate = 0.0
+        self._cap = np.inf
 
     def product(self, state: State) -> Information:
         """The product of all frames at a state.
@@ -59,13 +81,80 @@ class MinimalIntervention(RenewedImpedance):
                 skills.append(posture_skill(self.prior, {"prior": Joints()}))
             self._product = Product(skills)
             found = self._product.at(state)
-            check_determined(found, state)
+            check_determined(replace(found, precision=self._product.seen), state)
             return found
         return self._product.at(state)
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the product of all frames at a state."""
-        return optimum(self.product(state), state, self.effort)
+        modes = Modes.of(self.product(state), state)
+        if self._now is None:
+            self._begin(modes, state)
+        assert self.effort is not None
+        K = np.minimum(np.sqrt(modes.precision / self.effort), self._cap)
+        L, V = modes.inertia_root, modes.vectors
+        root = L @ V
+        D = damping(state, L, V, K, self.friction, self._rate)
+        return Impedance((root * K) @ root.T, D, state.q + modes.way)
+
+    def _begin(self, modes: "Modes", state: State) -> None:
+        """Effort and friction, from what the first state shows."""
+        if self.effort is None:
+            self._cap = (2 * np.pi * self.bandwidth) ** 2
+            self.effort = float(modes.precision[-1]) / self._cap**2
+        self._rate = self.friction / felt_mass(state)
+
+
+def bandwidth_for(delay: float = 0.005) -> float:
+    """Natural frequency [Hz] that a loop with a delay [s] may have, with half its margin left.
+
+    The optimum K = w^2, D = sqrt(2) w of a unit mass crosses unit gain at about 1.55 w with 65
+    degrees of phase to spare, which a delay of 0.73 / w uses up; w = 0.35 / delay uses half. The
+    delay is that between what is sensed and the torque that answers it: latency, filters of
+    velocity, and half a control period.
+    """
+    return 0.35 / (2 * np.pi * number("delay", delay, above=0, what="time [s]"))
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """The product of all frames in the coordinates z = L^T q, where every direction has unit inertia.
+
+    Parameters
+    ----------
+    inertia_root : (n, n)
+        L, with M = L L^T.
+    vectors : (n, n)
+        Of the precision in z, in the columns.
+    precision : (n,)
+        Its eigenvalues, ascending.
+    way : (n,)
+        From the posture to the optimum [rad].
+    """
+
+    inertia_root: np.ndarray
+    vectors: np.ndarray
+    precision: np.ndarray
+    way: np.ndarray
+
+    @classmethod
+    def of(cls, product: Information, state: State) -> "Modes":
+        """Modes of a product at a state."""
+        J, y, W = product.jacobian, product.value, product.precision
+        L = dpotrf(state.mass, lower=1)[0]
+        # (J L^-T)^T: the Jacobian with respect to z.
+        Jz = dtrtrs(L, J.T, lower=1)[0]
+        JW = Jz @ W
+        gradient = Jz @ product.target - JW @ y
+        # LAPACK directly: numpy's wrapper costs a third of the call at this size.
+        values, V, failed = dsyevd(JW @ Jz.T, overwrite_a=1)
+        if failed:
+            raise SimulationError("the precision of the frames has no eigendecomposition")
+        # At a singular posture a frame may lose its last direction: no pull there, not infinity.
+        np.maximum(values, 1e-9 * values[-1], out=values)
+        # Way to the optimum of each mode: Lambda_z^-1 times the gradient.
+        way = dtrtrs(L, V @ ((V.T @ gradient) / values), lower=1, trans=1)[0]
+        return cls(L, V, values, way)
 
 
 def optimum(product: Information, state: State, effort: float) -> Impedance:
@@ -88,21 +177,9 @@ def optimum(product: Information, state: State, effort: float) -> Impedance:
     effort : float
         r [s^4/(kg m^2)].
     """
-    J, y, W = product.jacobian, product.value, product.precision
-    L = dpotrf(state.mass, lower=1)[0]
-    # (J L^-T)^T: the Jacobian with respect to z.
-    Jz = dtrtrs(L, J.T, lower=1)[0]
-    JW = Jz @ W
-    gradient = Jz @ product.target - JW @ y
-    # LAPACK directly: numpy's wrapper costs a third of the call at this size.
-    values, V, failed = dsyevd(JW @ Jz.T, overwrite_a=1)
-    if failed:
-        raise SimulationError("the precision of the frames has no eigendecomposition")
-    # At a singular posture a frame may lose its last direction: no pull there, not infinity.
-    np.maximum(values, 1e-9 * values[-1], out=values)
-    # Way to the optimum of each mode: Lambda_z^-1 times the gradient.
-    way = dtrtrs(L, V @ ((V.T @ gradient) / values), lower=1, trans=1)[0]
-    return Impedance.of_modes(L @ V, np.sqrt(values / effort), state.q + way)
+    modes = Modes.of(product, state)
+    root = modes.inertia_root @ modes.vectors
+    return Impedance.of_modes(root, np.sqrt(modes.precision / effort), state.q + modes.way)
 
 
 def check_determined(product: Information, state: State) -> None:

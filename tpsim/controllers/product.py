@@ -121,6 +121,11 @@ class Product:
             W, target = W + more[0], target + more[1]
         return W, target
 
+    @property
+    def seen(self) -> np.ndarray:
+        """Precision (m, m) of all Gaussians as they were learned, summed over components."""
+        return np.sum([expert.seen.sum(0) for expert in self._experts], axis=0)
+
     def at(self, state: State) -> Information:
         """The product at a state."""
         size = self.stack.size
@@ -142,6 +147,9 @@ class StackedModel:
     ----------
     components : int
     precision : (K, m, m)
+        Of what matters in every frame.
+    seen : (K, m, m)
+        Of the Gaussians as they were learned, which decide about responsibilities.
     mean : (K, m)
     log_priors : (K,)
     """
@@ -150,11 +158,15 @@ class StackedModel:
         model = skill.model
         self.components = K = model.components
         self.precision, self.mean = np.zeros((K, stack.size, stack.size)), np.zeros((K, stack.size))
+        self.seen = np.zeros_like(self.precision)
         self.log_priors = log_priors(model.priors)
         self._bias = self.log_priors.copy()
-        for view, gaussian in zip(skill.views.values(), model.frames, strict=True):
+        for view, gaussian, precision in zip(
+            skill.views.values(), model.frames, model.precisions, strict=True
+        ):
             rows = stack.blocks[view]
-            self.precision[:, rows, rows] = gaussian.precision
+            self.precision[:, rows, rows] = precision
+            self.seen[:, rows, rows] = gaussian.precision
             self.mean[:, rows] = gaussian.mean
             self._bias += 0.5 * np.linalg.slogdet(gaussian.precision)[1]
         self._target = np.einsum("kab,kb->ka", self.precision, self.mean)
@@ -164,7 +176,7 @@ class StackedModel:
         if self.components == 1:
             return self.precision[0], self._target[0]
         e = y - self.mean
-        h = self._bias - 0.5 * np.einsum("ka,kab,kb->k", e, self.precision, e)
+        h = self._bias - 0.5 * np.einsum("ka,kab,kb->k", e, self.seen, e)
         h = np.exp(h - h.max())
         h /= h.sum()
         return np.tensordot(h, self.precision, 1), h @ self._target

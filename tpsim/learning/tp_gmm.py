@@ -12,6 +12,7 @@ from tpsim.checks import Seed, entries, frozen_array, instance, several
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
+from tpsim.learning.free_movement import Relevance
 from tpsim.learning.fit import Options, Start, Views, fit, seen_by_frames
 from tpsim.learning.gmm import GMM, checked_priors, log_priors, log_sum, posterior
 from tpsim.learning.moments import Memory
@@ -38,6 +39,9 @@ class TPGMM(Stored):
     memory : Memory, optional
         Moments of short runs of the samples, for :func:`tpsim.learning.incremental.update_tp_gmm`.
 
+    relevance : tuple of P Relevance
+        Which directions matter (:mod:`~tpsim.learning.free_movement`); empty: all of them.
+
     Raises
     ------
     ArgumentError
@@ -50,6 +54,7 @@ class TPGMM(Stored):
     samples: int = 0
     structure: Structure = FULL
     memory: Memory | None = None
+    relevance: tuple[Relevance, ...] = ()
 
     def __post_init__(self) -> None:
         priors = checked_priors(self.priors)
@@ -61,6 +66,14 @@ class TPGMM(Stored):
                 f"({len(priors)}, d)"
             )
         object.__setattr__(self, "priors", priors)
+        relevance = tuple(several("relevance", self.relevance, Relevance))
+        found = [one.precision.shape for one in relevance]
+        if found and found != [frame.covariance.shape for frame in frames]:
+            raise ArgumentError(
+                f"relevance has precisions of shapes {found}; give one for each frame, "
+                f"of {[frame.covariance.shape for frame in frames]}"
+            )
+        object.__setattr__(self, "relevance", relevance)
         object.__setattr__(self, "frames", frames)
         object.__setattr__(self, "history", frozen_array("history", self.history))
 
@@ -73,6 +86,17 @@ class TPGMM(Stored):
     def dims(self) -> tuple[int, ...]:
         """Local dimension d_j of every frame."""
         return tuple(frame.dim for frame in self.frames)
+
+    @property
+    def precisions(self) -> tuple[np.ndarray, ...]:
+        """Precision (K, d_j, d_j) that every frame brings to control: of what matters in it.
+
+        It is zero in the directions in which the teacher moved freely, where free movement was
+        looked at; else it is that of the Gaussians.
+        """
+        if self.relevance:
+            return tuple(one.precision for one in self.relevance)
+        return tuple(frame.precision for frame in self.frames)
 
     @property
     def free_parameters(self) -> int:

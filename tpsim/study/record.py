@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tpsim.robot.views.view import View, observe
+from tpsim.robot.views.observe import observe
+from tpsim.robot.views.view import View
 from tpsim.study.condition import Condition
 from tpsim.task.task import Models, Task
 from tpsim.world.trial import Trial

@@ -12,7 +12,8 @@ import numpy as np
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
-from tpsim.robot.views.view import View, observe
+from tpsim.robot.views.observe import observe
+from tpsim.robot.views.view import View
 from tpsim.world.impedance import Controller
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.teaching import Teacher

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from tpsim.errors import ArgumentError
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.task.check import check
+from tpsim.task.relevance import with_relevance
 from tpsim.task.task import Models, Situation, Task, demonstration
 from tpsim.world.episode import Person
 from tpsim.world.impedance import Controller
@@ -77,7 +78,8 @@ def learn(task: Task, taught: Taught) -> dict[str, TPGMM]:
             raise ArgumentError(f"there are no demonstrations of '{name}'; teach it first")
         seen = [demonstration(task.stage, trial, behaviour.views) for trial in taught[name]]
         models[name] = behaviour.fit(seen)
-    return models
+    views = {name: behaviour.views for name, behaviour in task.behaviours().items()}
+    return with_relevance(task.stage.robot, models, views, taught)
 
 
 def perform(

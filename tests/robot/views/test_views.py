@@ -11,7 +11,7 @@ from tpsim.pose import Pose
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Object, Site
-from tpsim.robot.views.view import observe
+from tpsim.robot.views.observe import observe
 
 BOX = Object("box")
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tpsim.robot.views.view import observe
+from tpsim.robot.views.observe import observe
 from tpsim.study.record import Records
 from tpsim.study.study import Lab, Plan
 from tpsim.task.task import draw_situation

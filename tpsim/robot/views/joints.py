@@ -28,6 +28,10 @@ class Joints(View):
         """Names of the dimensions."""
         return tuple(f"{robot.joints[i]} [rad]" for i in robot.index(self.names))
 
+    def kinds(self, robot: Robot) -> tuple[str, ...]:
+        """Postures are compared with postures alone."""
+        return ("posture",) * len(self.labels(robot))
+
     def see(self, state: State) -> Seen:
         """Value and Jacobian at a state."""
         index = state.robot.span(self.names)
@@ -93,6 +97,10 @@ class Spare(View):
         if count == 1:
             return ("along the nullspace [rad]",)
         return tuple(f"nullspace {k + 1} [rad]" for k in range(count))
+
+    def kinds(self, robot: Robot) -> tuple[str, ...]:
+        """Postures are compared with postures alone."""
+        return ("posture",) * len(self.labels(robot))
 
     def see(self, state: State) -> Seen:
         """Value and Jacobian at a state."""

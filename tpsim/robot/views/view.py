@@ -7,7 +7,7 @@ coordinates to joint space, Eqs (39)-(44): ``q_hat = J^+ mu + q - J^+ y``.
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import NamedTuple
@@ -17,7 +17,6 @@ from scipy.linalg.lapack import dposv
 
 from tpsim.errors import ArgumentError
 from tpsim.robot.indices import as_slice
-from tpsim.robot.objects import Objects
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 
@@ -59,6 +58,10 @@ class View(ABC):
     @abstractmethod
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions with their units, such as ``"x [m]"``."""
+
+    def kinds(self, robot: Robot) -> tuple[str, ...]:
+        """Kind of quantity of each dimension: those of one kind can be compared."""
+        return tuple("position" if "[m]" in label else "angle" for label in self.labels(robot))
 
     @abstractmethod
     def see(self, state: State) -> Seen:
@@ -151,6 +154,11 @@ class Part(View):
         whole = self.whole.labels(robot)
         return tuple(whole[index] for index in self.indices)
 
+    def kinds(self, robot: Robot) -> tuple[str, ...]:
+        """Kinds of the dimensions."""
+        whole = self.whole.kinds(robot)
+        return tuple(whole[index] for index in self.indices)
+
     @cached_property
     def _rows(self) -> slice | np.ndarray:
         return as_slice(self.indices)
@@ -179,6 +187,10 @@ class Offset(View):
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
         return self.whole.labels(robot)
+
+    def kinds(self, robot: Robot) -> tuple[str, ...]:
+        """Kinds of the dimensions."""
+        return self.whole.kinds(robot)
 
     def see(self, state: State) -> Seen:
         """Take the origin off."""
@@ -227,6 +239,10 @@ class Beneath(View):
         """Names of the dimensions."""
         return self.second.labels(robot)
 
+    def kinds(self, robot: Robot) -> tuple[str, ...]:
+        """Kinds of the dimensions."""
+        return self.second.kinds(robot)
+
     def see(self, state: State) -> Seen:
         """Project the second Jacobian onto the nullspace of the first."""
         value, J_second, drift, rate = self.second(state)
@@ -264,32 +280,3 @@ def through_nullspace(J_second: np.ndarray, J: np.ndarray, damping: float) -> np
     gram.flat[:: len(gram) + 1] += damping**2
     felt: np.ndarray = dposv(gram, J @ J_second.T)[1]
     return J_second - felt.T @ J
-
-
-def observe(
-    robot: Robot,
-    views: Sequence[View],
-    q: np.ndarray,
-    objects: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None,
-) -> list[np.ndarray]:
-    """Values (T, d_j) of every view along a movement.
-
-    Parameters
-    ----------
-    robot : Robot
-    views : sequence of View
-    q : (T, n)
-        [rad]
-    objects : mapping of str to (positions (T, 3), quaternions (T, 4)), optional
-        Where objects are meanwhile [m].
-    """
-    rows = {name: row for row, name in enumerate(objects or {})}
-    places = list((objects or {}).values())
-    values: list[list[np.ndarray]] = [[] for _ in views]
-    for t, posture in enumerate(q):
-        positions = np.array([p[t] for p, _ in places], float).reshape(-1, 3)
-        quaternions = np.array([turned[t] for _, turned in places], float).reshape(-1, 4)
-        state = robot.at(posture, objects=Objects(rows, positions, quaternions))
-        for column, view in zip(values, views, strict=True):
-            column.append(view(state).value)
-    return [np.array(column) for column in values]

@@ -44,8 +44,11 @@ class CupAndSugar(Task):
     ----------
     taught : tuple of str
         Behaviours: ``"cup"``, ``"sugar"`` or both.
-    effort : float
-        Cost of acceleration [s^4/(kg m^2)]: the one number that sets how soft the robot is.
+    bandwidth : float, optional
+        Natural frequency [Hz] of the most precise direction; by default as fast as the control
+        loop allows.
+    friction : float
+        What a person feels who leads a hand where it is free [Ns/m].
     components : int
         Gaussians of each behaviour.
     hold : float
@@ -53,7 +56,8 @@ class CupAndSugar(Task):
     """
 
     taught: tuple[Literal["cup", "sugar"], ...] = ("cup", "sugar")
-    effort: float = 0.3
+    bandwidth: float | None = None
+    friction: float = 180.0
     components: int = 1
     hold: float = 0.1
 
@@ -92,7 +96,9 @@ class CupAndSugar(Task):
             right = [joint.startswith("right") for joint in world.robot.joints]
             deviation = np.where(right, self.hold, 10.0)
             prior = Gaussian(np.array(situation.start), np.diag(deviation**2))
-        return MinimalIntervention(skills, effort=self.effort, prior=prior)
+        return MinimalIntervention(
+            skills, bandwidth=self.bandwidth, friction=self.friction, prior=prior
+        )
 
     def goals(self) -> dict[str, Goal]:
         """A level cup, and the sugar at its place above it."""

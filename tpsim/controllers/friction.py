@@ -1,0 +1,82 @@
+"""Friction of free directions: what nobody pulls back stays where it is put."""
+
+import numpy as np
+from scipy.linalg.lapack import dtrtrs
+
+from tpsim.robot.state import State
+
+WEAK = 1.0
+"""Stiffness [1/s^2] of a mode that is no more than half a spring: it takes seconds to return."""
+
+LOOSE = 0.03
+"""Share of a hand's mobility from which on a direction counts as one that the hand decides."""
+
+
+def felt_mass(state: State) -> float:
+    """Mass [kg] that a person feels at a hand: harmonic mean over directions and hands."""
+    M = np.linalg.inv(state.mass)
+    J = [state.jacobian(site)[:3] for site in state.robot.hands.values()]
+    mobility = [np.trace(j @ M @ j.T) / np.linalg.matrix_rank(j @ M @ j.T, tol=1e-9) for j in J]
+    return 1.0 / float(np.mean(mobility))
+
+
+def damping(
+    state: State,
+    L: np.ndarray,
+    V: np.ndarray,
+    stiffness: np.ndarray,
+    friction: float,
+    rate: float,
+) -> np.ndarray:
+    """Damping (n, n) [Nms/rad] of all modes, with friction where there is no stiffness.
+
+    In the coordinates z = L^T q, M = L L^T, with modes V and their stiffness K_z:
+
+    - Every mode is damped as the optimum for a cost of acceleration and of kinetic energy is,
+      D_z = (2 K_z + rate^2)^1/2: one without stiffness loses its speed at ``rate``.
+    - Where a hand is free to go, ``rate`` gives way to the same friction in all directions, so
+      that a person feels ``friction`` times the speed whatever the posture. A motion that several
+      hands make together is slowed at the first of them alone: friction at the others would have
+      to be carried by what couples them, and disturb it.
+
+    All parts are positive semi-definite, so that damping never injects energy.
+
+    Parameters
+    ----------
+    state : State
+    L : (n, n)
+        Cholesky factor of the inertia.
+    V : (n, n)
+        Modes, in the columns.
+    stiffness : (n,)
+        K_z [1/s^2].
+    friction : float
+        [Ns/m]
+    rate : float
+        [1/s]
+    """
+    optimal = np.sqrt(2 * stiffness)
+    share = (V * (1 / (1 + stiffness / WEAK))) @ V.T
+    D = (V * optimal) @ V.T
+    # What no hand has decided so far, and what is not yet slowed as a hand.
+    open_, slow = np.eye(len(V)), np.eye(len(V))
+    for site in state.robot.hands.values():
+        rows = dtrtrs(L, state.jacobian(site).T, lower=1)[0].T
+        free = rows[:3] @ share @ open_
+        mobility, own = rows[:3] @ rows[:3].T, free @ free.T
+        values, U = np.linalg.eigh(own)
+        most = np.einsum("ki,kl,li->i", U, mobility, U)
+        weight = np.maximum(values, 0.0) / (values + LOOSE * most + 1e-12)
+        pull = U.T @ rows[:3]
+        D += friction * (pull.T * weight) @ pull
+        slow = _without(slow, rows[:3] @ share @ slow, mobility)
+        open_ = _without(open_, rows @ share @ open_, rows @ rows.T)
+    D += rate * slow.T @ share @ slow
+    return L @ D @ L.T
+
+
+def _without(space: np.ndarray, rows: np.ndarray, mobility: np.ndarray) -> np.ndarray:
+    """Projection that is left of a space (n, n) when rows (m, n) in it are taken."""
+    decided = rows @ rows.T + LOOSE * mobility
+    decided.flat[:: len(decided) + 1] += 1e-12 * np.trace(mobility)
+    return space - space @ rows.T @ np.linalg.solve(decided, rows)

@@ -1,0 +1,145 @@
+"""What matters in a frame, direction by direction: variation against that of free movement.
+
+Section 9 asks which candidate frames matter. A small covariance alone does not say so: a hand that
+wanders freely has a covariance too, and its precision would pull the arm to the middle of where
+it wandered. A frame counts here for what it says beyond free movement: with the densities p of the
+demonstrations in a frame and p0 of free movement in it, the product of Eqs (5-6) is taken over the
+ratios p / p0, whose precision is Sigma^-1 - Sigma_0^-1 in the directions that matter and zero in
+all others.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tpsim.archive import Part
+from tpsim.checks import frozen_array
+from tpsim.errors import ArgumentError
+from tpsim.gaussian import Gaussian
+
+SPREAD = float(np.log(3.0))
+"""A priori, free directions differ among each other by a factor of three (one deviation of the
+logarithm): a workspace is that much longer than it is high."""
+
+DECADES = float(np.log(1e3))
+"""A priori, a direction that matters may be up to a thousand times more precise than free movement,
+each size as likely as any other."""
+
+
+@dataclass(frozen=True, eq=False)
+class Relevance(Part):
+    """What one frame says beyond free movement.
+
+    Parameters
+    ----------
+    precision : (K, d, d)
+        Of the ratio p / p0 in the directions that matter; zero in all others.
+    free : (d, d)
+        Covariance that free movement would have in this frame, Sigma_0.
+    directions : (K, d, d)
+        The directions that were looked at, in the rows, each within one kind of quantity.
+    ratio : (K, d)
+        Standard deviation in each, over that of free movement.
+    chance : (K, d)
+        Probability that the direction matters.
+    """
+
+    precision: np.ndarray
+    free: np.ndarray
+    directions: np.ndarray
+    ratio: np.ndarray
+    chance: np.ndarray
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            object.__setattr__(self, name, frozen_array(name, value))
+
+    @property
+    def matters(self) -> np.ndarray:
+        """Which directions matter, (K, d) bool: those more likely to matter than not."""
+        return (self.chance > 0.5) & (self.ratio < 1.0)
+
+
+def relevance(
+    gaussian: Gaussian, free: ArrayLike, kinds: Sequence[str], samples: float = np.inf
+) -> Relevance:
+    """Compare the covariances in a frame with free movement, direction by direction.
+
+    Within each kind of quantity the directions are the eigenvectors of Sigma relative to Sigma_0;
+    lambda is the variance over that of free movement. Two hypotheses are compared for each
+    (Bayesian model comparison with equal prior odds). Free: log sqrt(lambda) is normal about zero
+    with deviation :data:`SPREAD`, to which the sampling error of a standard deviation,
+    1 / (2 n), is added in variance. It matters: log sqrt(lambda) is uniform over
+    :data:`DECADES`. The more probable one is believed, with the boundary near a quarter of free
+    movement.
+
+    With fewer independent samples than twice the dimensions of a kind, the smallest variance may
+    be small by chance: all directions then count as they are.
+
+    Parameters
+    ----------
+    gaussian : Gaussian (K, d)
+        The components as the frame sees them.
+    free : (d, d)
+        Sigma_0, positive definite.
+    kinds : sequence of d str
+        Kind of quantity of each dimension, such as ``"position"``: directions do not mix them,
+        since metres and radians have no common measure.
+    samples : float
+        Number n of independent samples behind each covariance.
+
+    Raises
+    ------
+    ArgumentError
+        If shapes do not fit, or ``free`` is not positive definite.
+    """
+    K, d = gaussian.mean.shape
+    free = frozen_array("free", free)
+    if not samples > 0:
+        raise ArgumentError(f"samples is {samples}; give a positive number, or inf")
+    if free.shape != (d, d) or len(kinds) != d:
+        raise ArgumentError(
+            f"free has shape {free.shape} and there are {len(kinds)} kinds; the frame has {d} "
+            f"dimensions, so give ({d}, {d}) and {d}"
+        )
+    if np.linalg.eigvalsh(free)[0] <= 0:
+        raise ArgumentError("free is not positive definite: give the covariance of free movement")
+    found = [_relevance(c, free, kinds, samples) for c in gaussian.covariance]
+    parts = [np.array(part) for part in zip(*found, strict=True)]
+    return Relevance(parts[0], free, *parts[1:])
+
+
+def _relevance(
+    covariance: np.ndarray, free: np.ndarray, kinds: Sequence[str], samples: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    d = len(free)
+    directions, ratio, chance = np.zeros((d, d)), np.ones(d), np.zeros(d)
+    for kind in dict.fromkeys(kinds):
+        own = np.flatnonzero([k == kind for k in kinds])
+        block = np.ix_(own, own)
+        L = np.linalg.cholesky(free[block])
+        white = np.linalg.solve(L, np.linalg.solve(L, covariance[block]).T)
+        values, V = np.linalg.eigh(white)
+        directions[np.ix_(own, own)] = np.linalg.solve(L.T, V).T
+        ratio[own] = np.sqrt(np.maximum(values, 1e-300))
+        few = samples < 2 * len(own)
+        chance[own] = 1.0 if few else chance_of(ratio[own], samples)
+    keep = (chance > 0.5) & (ratio < 1.0)
+    R = directions[keep]
+    # The marginal over the directions that matter; free movement has unit variance in them.
+    inner = np.linalg.inv(R @ covariance @ R.T) - _inner_free(R, free)
+    return R.T @ inner @ R, directions, ratio, chance
+
+
+def _inner_free(R: np.ndarray, free: np.ndarray) -> np.ndarray:
+    return np.linalg.inv(R @ free @ R.T)
+
+
+def chance_of(ratio: ArrayLike, samples: float = np.inf) -> np.ndarray:
+    """Probability that directions matter, from their deviation over that of free movement."""
+    z = np.log(np.asarray(ratio, float))
+    variance = SPREAD**2 + 0.5 / samples
+    free = np.exp(-0.5 * z**2 / variance) / np.sqrt(2 * np.pi * variance)
+    return (1 / DECADES) / (free + 1 / DECADES)

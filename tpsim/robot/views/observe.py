@@ -1,0 +1,38 @@
+"""What views see along a movement."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from tpsim.robot.objects import Objects
+from tpsim.robot.robot import Robot
+from tpsim.robot.views.view import View
+
+
+def observe(
+    robot: Robot,
+    views: Sequence[View],
+    q: np.ndarray,
+    objects: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None,
+) -> list[np.ndarray]:
+    """Values (T, d_j) of every view along a movement.
+
+    Parameters
+    ----------
+    robot : Robot
+    views : sequence of View
+    q : (T, n)
+        [rad]
+    objects : mapping of str to (positions (T, 3), quaternions (T, 4)), optional
+        Where objects are meanwhile [m].
+    """
+    rows = {name: row for row, name in enumerate(objects or {})}
+    places = list((objects or {}).values())
+    values: list[list[np.ndarray]] = [[] for _ in views]
+    for t, posture in enumerate(q):
+        positions = np.array([p[t] for p, _ in places], float).reshape(-1, 3)
+        quaternions = np.array([turned[t] for _, turned in places], float).reshape(-1, 4)
+        state = robot.at(posture, objects=Objects(rows, positions, quaternions))
+        for column, view in zip(values, views, strict=True):
+            column.append(view(state).value)
+    return [np.array(column) for column in values]

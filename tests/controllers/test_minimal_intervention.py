@@ -46,7 +46,7 @@ def command(state, skills, **settings):
 
 def test_the_reference_and_gains_are_those_of_adapt_and_impedance(robot, state):
     taught = skill(robot)
-    now = command(state, [taught], effort=EFFORT)
+    now = command(state, [taught], effort=EFFORT, friction=0.0)
     frames = []
     for view in taught.views.values():
         seen = view(state)

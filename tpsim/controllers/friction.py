@@ -5,8 +5,8 @@ from scipy.linalg.lapack import dtrtrs
 
 from tpsim.robot.state import State
 
-WEAK = 1.0
-"""Stiffness [1/s^2] of a mode that is no more than half a spring: it takes seconds to return."""
+WEAK = 30.0
+"""Stiffness [1/s^2] of a mode that is no more than half a spring: slower than 1 Hz."""
 
 LOOSE = 0.03
 """Share of a hand's mobility from which on a direction counts as one that the hand decides."""
@@ -18,6 +18,11 @@ def felt_mass(state: State) -> float:
     J = [state.jacobian(site)[:3] for site in state.robot.hands.values()]
     mobility = [np.trace(j @ M @ j.T) / np.linalg.matrix_rank(j @ M @ j.T, tol=1e-9) for j in J]
     return 1.0 / float(np.mean(mobility))
+
+
+def loose(stiffness: np.ndarray) -> np.ndarray:
+    """Share (n,) in which modes of a stiffness [1/s^2] are free: from 1 without to 0 with a spring."""
+    return 1 / (1 + (stiffness / WEAK) ** 2)
 
 
 def damping(
@@ -56,7 +61,7 @@ def damping(
         [1/s]
     """
     optimal = np.sqrt(2 * stiffness)
-    share = (V * (1 / (1 + stiffness / WEAK))) @ V.T
+    share = (V * loose(stiffness)) @ V.T
     D = (V * optimal) @ V.T
     # What no hand has decided so far, and what is not yet slowed as a hand.
     open_, slow = np.eye(len(V)), np.eye(len(V))

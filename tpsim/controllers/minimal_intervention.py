@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import atan, pi, sqrt
 
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.checks import number
-from tpsim.controllers.friction import damping, felt_mass
+from tpsim.controllers.friction import damping, felt_mass, loose
 from tpsim.controllers.product import Information, Product, Skill, posture_skill
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.errors import ArgumentError, SimulationError
@@ -15,6 +16,9 @@ from tpsim.gaussian import Gaussian
 from tpsim.robot.state import State
 from tpsim.robot.views.joints import Joints
 from tpsim.world.impedance import Impedance
+
+NOTHING = 1e-12
+"""Precision [1/(kg m^2)] that is none."""
 
 
 class MinimalIntervention(RenewedImpedance):
@@ -91,7 +95,10 @@ class MinimalIntervention(RenewedImpedance):
         if self._now is None:
             self._begin(modes, state)
         assert self.effort is not None
-        K = np.minimum(np.sqrt(modes.precision / self.effort), self._cap)
+        K = np.sqrt(modes.precision / self.effort)
+        if np.isfinite(self._cap):
+            # Frames that nearly agree leave springs that would take seconds: they are none.
+            K = np.minimum(K, self._cap) * (1 - loose(K))
         L, V = modes.inertia_root, modes.vectors
         root = L @ V
         D = damping(state, L, V, K, self.friction, self._rate)
@@ -101,19 +108,23 @@ class MinimalIntervention(RenewedImpedance):
         """Effort and friction, from what the first state shows."""
         if self.effort is None:
             self._cap = (2 * np.pi * self.bandwidth) ** 2
-            self.effort = float(modes.precision[-1]) / self._cap**2
+            top = float(modes.precision[-1])
+            # Where nothing matters there is no spring at all.
+            self.effort = top / self._cap**2 if top > NOTHING else np.inf
         self._rate = self.friction / felt_mass(state)
 
 
 def bandwidth_for(delay: float = 0.005) -> float:
     """Natural frequency [Hz] that a loop with a delay [s] may have, with half its margin left.
 
-    The optimum K = w^2, D = sqrt(2) w of a unit mass crosses unit gain at about 1.55 w with 65
-    degrees of phase to spare, which a delay of 0.73 / w uses up; w = 0.35 / delay uses half. The
-    delay is that between what is sensed and the torque that answers it: latency, filters of
-    velocity, and half a control period.
+    The optimum of a unit mass, K = w^2 and D = sqrt(2) w, crosses unit gain at c w with
+    c = sqrt(1 + sqrt(2)); there its phase is atan(sqrt(2) c) above -180 degrees, which a delay of
+    atan(sqrt(2) c) / (c w) uses up. Half of that is allowed. The delay is the time between what is
+    sensed and the torque that answers it: latency, filters of velocity, half a control period.
     """
-    return 0.35 / (2 * np.pi * number("delay", delay, above=0, what="time [s]"))
+    delay = number("delay", delay, above=0, what="time [s]")
+    c = sqrt(1 + sqrt(2))
+    return 0.5 * atan(sqrt(2) * c) / c / (2 * pi * delay)
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +162,7 @@ class Modes:
         if failed:
             raise SimulationError("the precision of the frames has no eigendecomposition")
         # At a singular posture a frame may lose its last direction: no pull there, not infinity.
-        np.maximum(values, 1e-9 * values[-1], out=values)
+        np.maximum(values, max(1e-9 * values[-1], NOTHING), out=values)
         # Way to the optimum of each mode: Lambda_z^-1 times the gradient.
         way = dtrtrs(L, V @ ((V.T @ gradient) / values), lower=1, trans=1)[0]
         return cls(L, V, values, way)

@@ -2,11 +2,13 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from tpsim.errors import ArgumentError
 from tpsim.robot.views.view import View
+from tpsim.study.metrics import push_interval
 from tpsim.study.record import Record, Records
 
 Series = float | np.ndarray
@@ -19,6 +21,16 @@ Figure = float | int | None
 def rms(values: np.ndarray) -> float:
     """Root of the mean square, in the unit of ``values``."""
     return float(np.sqrt(np.mean(np.square(values))))
+
+
+def mean(values: Sequence[float]) -> float:
+    """Mean over trials."""
+    return float(np.mean(values))
+
+
+def most(values: Sequence[float]) -> float:
+    """The number that 95 % of the trials keep: their 95th percentile."""
+    return float(np.percentile(values, 95))
 
 
 @dataclass(frozen=True)
@@ -50,8 +62,9 @@ class Measure:
         Controllers whose trials count; ``None`` for all.
     reduce, across : callable
         Of the series of a trial, and of the numbers of all trials; the largest by default.
-    window : (float, float), optional
-        Part of the trial that counts [s].
+    window : (float, float) or "pushed", optional
+        Part of the trial that counts [s]; ``"pushed"`` is while somebody pushes. Trials without
+        a push then count as a whole.
     limit : float, optional
         The most allowed; with ``at_least`` the least asked.
     at_least : bool
@@ -69,15 +82,20 @@ class Measure:
     controller: str | None = "learned"
     reduce: Callable[[np.ndarray], float] = np.max
     across: Callable[[Sequence[float]], float] = max
-    window: tuple[float, float] | None = None
+    window: tuple[float, float] | Literal["pushed"] | None = None
     limit: float | None = None
     at_least: bool = False
     title: str = ""
 
     def __post_init__(self) -> None:
-        if self.window is not None and not self.window[0] < self.window[1]:
+        window = self.window
+        if isinstance(window, str) and window != "pushed":
             raise ArgumentError(
-                f"measure '{self.name}' has the window {self.window}; give (begin, end) in seconds"
+                f"measure '{self.name}' has the window '{window}'; give (begin, end) or 'pushed'"
+            )
+        if isinstance(window, tuple) and not window[0] < window[1]:
+            raise ArgumentError(
+                f"measure '{self.name}' has the window {window}; give (begin, end) in seconds"
             )
 
     def series(self, record: Record) -> Series | None:
@@ -93,10 +111,7 @@ class Measure:
         """The figure over all trials; None where there are none."""
         if self.whole is not None:
             return self.whole(records)
-        chosen = records.select(self.label, self.controller)
-        if not chosen and self.otherwise is not None:
-            chosen = records.select(self.otherwise, self.controller)
-        numbers = [n for record in chosen if (n := self.number(record)) is not None]
+        numbers = self.numbers(records)
         return float(self.across(numbers)) if numbers else None
 
     def number(self, record: Record) -> float | None:
@@ -111,14 +126,24 @@ class Measure:
             raise ArgumentError(
                 f"measure '{self.name}' gave {len(series)} values for {len(time)} samples"
             )
-        if self.window is not None:
-            series = series[(time >= self.window[0]) & (time <= self.window[1])]
+        window = self._window(record)
+        if window is not None:
+            series = series[(time >= window[0]) & (time <= window[1])]
             if not len(series) and record.trial.outcome != "diverged":
                 raise ArgumentError(
-                    f"measure '{self.name}' looks at {self.window} s; the trial ends at "
-                    f"{time[-1]:.2f} s"
+                    f"measure '{self.name}' looks at {window} s; the trial ends at {time[-1]:.2f} s"
                 )
         return float(self.reduce(series)) if len(series) else None
+
+    def _window(self, record: Record) -> tuple[float, float] | None:
+        return push_interval(record.trial) if self.window == "pushed" else self.window
+
+    def numbers(self, records: Records) -> list[float]:
+        """What every trial that counts comes to, in ``unit``."""
+        chosen = records.select(self.label, self.controller)
+        if not chosen and self.otherwise is not None:
+            chosen = records.select(self.otherwise, self.controller)
+        return [n for record in chosen if (n := self.number(record)) is not None]
 
     def result(self, value: Figure) -> "Result":
         """The figure with its limit."""

@@ -1,0 +1,108 @@
+"""What matters is what varies less than free movement, direction by direction."""
+
+import numpy as np
+import pytest
+
+from tpsim import Gaussian
+from tpsim.errors import ArgumentError
+from tpsim.learning.free_movement import chance_of, relevance
+
+KINDS = ("position",) * 3
+
+
+def frame(*deviations, turned=None):
+    covariance = np.diag(np.square(deviations))
+    if turned is not None:
+        covariance = turned @ covariance @ turned.T
+    return Gaussian(np.zeros((1, len(deviations))), covariance[None])
+
+
+def rotation(seed=0):
+    Q, _ = np.linalg.qr(np.random.default_rng(seed).standard_normal((3, 3)))
+    return Q
+
+
+def test_precision_is_that_of_the_ratio_of_densities():
+    found = relevance(frame(0.001, 0.08, 0.1), 0.01 * np.eye(3), KINDS)
+    np.testing.assert_array_equal(found.matters, [[True, False, False]])
+    np.testing.assert_allclose(found.precision[0], np.diag([1e6 - 100, 0, 0]), rtol=1e-9, atol=1e-6)
+
+
+def test_directions_turn_with_the_data():
+    Q = rotation()
+    one = relevance(frame(0.001, 0.08, 0.1), 0.01 * np.eye(3), KINDS).precision[0]
+    other = relevance(frame(0.001, 0.08, 0.1, turned=Q), 0.01 * np.eye(3), KINDS).precision[0]
+    np.testing.assert_allclose(other, Q @ one @ Q.T, rtol=1e-6, atol=1e-4)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_units_do_not_decide(scale):
+    found = relevance(
+        frame(*scale * np.array([0.01, 0.05, 0.1])), (0.1 * scale) ** 2 * np.eye(3), KINDS
+    )
+    np.testing.assert_allclose(found.ratio, [[0.1, 0.5, 1.0]])
+    expected = np.diag([1e4 - 100, 0, 0]) / scale**2
+    np.testing.assert_allclose(found.precision[0], expected, rtol=1e-9, atol=1e-9 / scale**2)
+
+
+def test_free_movement_that_is_not_isotropic():
+    """Less variation than free movement in that direction, not less than in the widest one."""
+    free = np.diag([0.01, 0.2, 0.2]) ** 2
+    found = relevance(frame(0.009, 0.01, 0.2), free, KINDS)
+    np.testing.assert_allclose(np.diag(found.precision[0]) > 0, [False, True, False])
+
+
+def test_kinds_are_not_mixed():
+    """A correlation of metres and radians makes no precise direction of two free ones."""
+    covariance = np.array([[0.01, 0.0999], [0.0999, 1.0]])
+    found = relevance(
+        Gaussian(np.zeros((1, 2)), covariance[None]), np.diag([0.01, 1.0]), ("position", "angle")
+    )
+    assert not found.matters.any()
+    np.testing.assert_array_equal(found.precision, 0)
+
+
+def test_the_marginal_of_what_matters_keeps_its_correlation():
+    S = np.array([[1e-6, 5e-7, 0], [5e-7, 1e-6, 0], [0, 0, 0.01]])
+    found = relevance(Gaussian(np.zeros((1, 3)), S[None]), 0.01 * np.eye(3), KINDS)
+    np.testing.assert_allclose(
+        found.precision[0, :2, :2], np.linalg.inv(S[:2, :2]) - 100 * np.eye(2), rtol=1e-9
+    )
+    np.testing.assert_allclose(found.precision[0, 2], 0, atol=1e-6)
+
+
+def test_the_boundary_is_where_both_hypotheses_are_as_probable():
+    """log ratio ~ N(0, log(3)^2) against uniform over three decades: equal near 0.226."""
+    ratios = np.geomspace(0.01, 0.99, 2000)
+    chance = chance_of(ratios)
+    boundary = ratios[np.argmin(np.abs(chance - 0.5))]
+    s = np.log(3)
+    z = s * np.sqrt(-2 * np.log(np.sqrt(2 * np.pi) * s / np.log(1e3)))
+    assert boundary == pytest.approx(np.exp(-z), rel=5e-3)
+    assert (np.diff(chance) < 0).all()
+    assert (chance_of(ratios, 10.0)[:500] < chance[:500]).all()  # fewer samples, weaker evidence
+
+
+def test_random_free_directions_are_rarely_taken_for_precise():
+    """A sample covariance of isotropic free movement from 20 independent samples: no direction."""
+    rng = np.random.default_rng(3)
+    wrong = 0
+    for _ in range(300):
+        x = rng.standard_normal((20, 3))
+        found = relevance(Gaussian(np.zeros((1, 3)), np.cov(x.T)[None]), np.eye(3), KINDS, 20)
+        wrong += found.matters.any()
+    assert wrong <= 3
+
+
+def test_with_too_few_samples_everything_counts():
+    found = relevance(frame(0.05, 0.08, 0.09), 0.01 * np.eye(3), KINDS, samples=4)
+    assert found.matters.all()
+
+
+def test_bad_arguments_are_refused():
+    with pytest.raises(ArgumentError, match=r"shape \(2, 2\)"):
+        relevance(frame(1, 1, 1), np.eye(2), KINDS)
+    with pytest.raises(ArgumentError, match="positive definite"):
+        relevance(frame(1, 1, 1), np.zeros((3, 3)), KINDS)
+    with pytest.raises(ArgumentError, match="samples is 0"):
+        relevance(frame(1, 1, 1), np.eye(3), KINDS, samples=0)

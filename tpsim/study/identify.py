@@ -1,42 +1,33 @@
-"""The stiffness that is felt: measured by small displacements, beside the commanded one."""
+"""The stiffness that is felt: measured by small static loads, beside the commanded one."""
 
 import numpy as np
+from scipy.linalg import eigh
 
-from tpsim import rotation
 from tpsim.errors import SimulationError
-from tpsim.pose import Pose
 from tpsim.robot.state import State
-from tpsim.world.impedance import Controller, Drive, Impedance, hand_stiffness
-from tpsim.world.people.guide import Grip
+from tpsim.world.impedance import Controller, Drive, Impedance
 from tpsim.world.simulation import Simulation
 from tpsim.world.world import World
 
-SETTLED = 5e-4
-"""Joint speed [rad/s] below which the robot counts as at rest: what still creeps then
-cancels between opposite displacements."""
+STIFF = 100.0
+"""Stiffness [1/s^2] from which on a mode is measured: softer ones take too long to come to rest."""
 
-PATIENCE = 20.0
-"""Time [s] that it is given to come to rest."""
+SETTLED = 1e-5
+"""Speed of the stiff modes [kg^1/2 m/s] below which they count as at rest."""
 
-
-GRIP = Grip(2000.0, 120.0, 60.0, 2.5)
-"""The hand that holds the site where it was displaced: the wrench that it feels is measured."""
+PATIENCE = 10.0
+"""Time [s] that they are given to come to rest."""
 
 
 def identify_stiffness(
-    world: World,
-    controller: Controller,
-    start: np.ndarray,
-    site: str,
-    *,
-    distance: float = 1e-3,
-    angle: float = 5e-3,
+    world: World, controller: Controller, start: np.ndarray, *, way: float = 1e-3
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Measured and commanded stiffness (6, 6) at a site [N/m, Nm/rad].
+    """Measured and commanded stiffness (k, k) of the k stiff modes of a controlled robot [1/s^2].
 
-    A grip takes the site to six pairs of opposite displacements, one after the other, until the
-    robot rests; the stiffness is the wrench that it then feels over the displacement, central
-    differences. Where the robot is free it feels nothing.
+    With the commanded stiffness K at rest and the inertia M, modes v solve K v = w M v; those with
+    w above :data:`STIFF` are looked at, in coordinates in which each has unit inertia. Torques
+    M v, as a person makes them by pressing on the hands, load one mode after the other, in both
+    directions, until the stiff modes rest; the compliance is the displacement over the load.
 
     Parameters
     ----------
@@ -45,69 +36,56 @@ def identify_stiffness(
         It must command an impedance.
     start : (n,)
         Posture [rad] from which the robot first comes to its own rest.
-    site : str
-    distance, angle : float
-        Size of the displacements of the grip [m], [rad].
-
-    Returns
-    -------
-    measured, commanded : (6, 6), (6, 6)
+    way : float
+        Displacement [kg^1/2 m] that the loads are to make.
 
     Raises
     ------
     SimulationError
-        If the robot does not come to rest, or rests with a saturated motor.
+        If nothing is stiff, or the robot does not come to rest within its torque limits.
     """
     simulation = world.simulation()
-    probe = _Probe(simulation, controller, site)
     simulation.reset(start)
-    state, command, _ = probe.rest(None)
-    rest, pose = simulation.q.copy(), state.pose(site)
-    commanded = hand_stiffness(state.jacobian(site), command.stiffness)
-    moved, felt = np.empty((6, 6)), np.empty((6, 6))
-    for k in range(6):
+    probe = _Probe(simulation, controller)
+    state, command = probe.rest(np.zeros(world.robot.n), np.eye(world.robot.n))
+    rest, M = simulation.q.copy(), state.mass
+    values, V = eigh(command.stiffness, M)
+    values, V = values[values > STIFF], V[:, values > STIFF]
+    if not len(values):
+        raise SimulationError(f"no mode is stiffer than {STIFF:g} /s^2; there is nothing to measure")
+    compliance = np.empty((len(values), len(values)))
+    for k, value in enumerate(values):
         found = []
         for sign in (1, -1):
-            step = np.zeros(6)
-            step[k] = sign * (distance if k < 3 else angle)
             simulation.reset(rest)
-            wanted = Pose(rotation.exp(step[3:]) @ pose.rotation, pose.position + step[:3])
-            state, _, wrench = probe.rest(wanted)
-            R, p = state.pose(site)
-            found.append((np.concatenate([p, rotation.log(R @ pose.rotation.T)]), wrench))
-        moved[:, k] = found[0][0] - found[1][0]
-        felt[:, k] = found[0][1] - found[1][1]
-    return np.linalg.solve(moved.T, felt.T).T, commanded
+            probe.rest(sign * way * value * (M @ V[:, k]), V.T @ M)
+            found.append(V.T @ M @ simulation.q)
+        compliance[:, k] = (found[0] - found[1]) / (2 * way * value)
+    return np.linalg.inv(compliance), np.diag(values)
 
 
 class _Probe:
-    """A controller whose robot is held at a site until it rests."""
+    """A controller whose robot is loaded until it rests."""
 
-    def __init__(self, simulation: Simulation, controller: Controller, site: str):
-        self._simulation, self._controller, self._site = simulation, controller, site
-        self._body = simulation.attachment(site)[0]
+    def __init__(self, simulation: Simulation, controller: Controller):
+        self._simulation, self._controller = simulation, controller
 
-    def rest(self, wanted: Pose | None) -> tuple[State, Impedance, np.ndarray]:
-        """Let the robot come to rest, held at a pose or by nobody; state, command, wrench (6,)."""
-        simulation, robot, still = self._simulation, self._simulation.robot, np.zeros(6)
+    def rest(self, load: np.ndarray, rows: np.ndarray) -> tuple[State, Impedance]:
+        """Let the robot come to rest, as ``rows`` (k, n) see it, under joint torques (n,) [Nm]."""
+        simulation, robot = self._simulation, self._simulation.robot
         drive, limit, quiet = Drive(robot, simulation.timestep), robot.torque_limit, 0
+        slow = SETTLED if len(rows) < robot.n else 100 * SETTLED
         for _ in range(round(PATIENCE / simulation.timestep)):
             state = State(robot, simulation.x, time=simulation.time)
             command = self._controller.command(state, state.time)
             torque = drive.torque(command, state)
-            simulation.clear_wrenches()
-            wrench, pose = still, state.pose(self._site)
-            if wanted is not None:
-                wrench = GRIP.wrench(pose, state.twist(self._site), wanted, still)
-                simulation.apply_wrench(self._body, wrench, pose.position)
             # Slow for a whole while, not at the turning point of a swing.
-            quiet = quiet + 1 if np.abs(state.dq).max() < SETTLED else 0
-            if quiet * simulation.timestep > 0.3:
+            quiet = quiet + 1 if np.abs(rows @ state.dq).max() < slow else 0
+            if quiet * simulation.timestep > 0.1:
                 if (np.abs(torque) > limit).any() or not isinstance(command, Impedance):
                     break
-                return state, command, wrench.copy()
-            simulation.step(np.clip(torque, -limit, limit))
+                return state, command
+            simulation.step(np.clip(torque, -limit, limit) + load)
         raise SimulationError(
-            f"the robot did not come to rest at {self._site} within its torque limits in "
-            f"{PATIENCE:g} s; displace it less"
+            f"the robot did not come to rest within its torque limits in {PATIENCE:g} s"
         )

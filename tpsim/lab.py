@@ -53,11 +53,11 @@ from tpsim.pose import Pose as Pose
 from tpsim.robot.robot import Robot as Robot
 from tpsim.robot.state import State as State
 from tpsim.robot.views.joints import Joints as Joints
+from tpsim.robot.views.observe import observe as observe
 from tpsim.robot.views.sites import Object as Object
 from tpsim.robot.views.sites import Site as Site
 from tpsim.robot.views.view import Seen as Seen
 from tpsim.robot.views.view import View as View
-from tpsim.robot.views.observe import observe as observe
 from tpsim.scene.compose import Camera as Camera
 from tpsim.scene.compose import Held as Held
 from tpsim.scene.compose import Placed as Placed

@@ -44,12 +44,15 @@ class Run(SeededCommand):
     """Number of situations that were never taught."""
     pushes: int = 6
     """Number of pushes in each situation."""
+    teachers: int = 1
+    """Number of teachers, each with demonstrations and situations of its own (see --seed)."""
     workers: int | None = None
     """Number of processes (default: one per core)."""
 
     def check(self) -> None:
         """Check the counts."""
         super().check()
+        positive("--teachers", self.teachers)
         positive("--situations", self.situations)
         positive("--pushes", self.pushes)
         if self.workers is not None:
@@ -59,12 +62,18 @@ class Run(SeededCommand):
         """Run the study."""
         from tpsim.study import campaign
         from tpsim.study.study import Plan
+        from tpsim.study.teachers import run_teachers
 
+        plan, workers = Plan(self.seed, self.situations, self.pushes), self.workers or cores()
+        if self.teachers > 1:
+            return run_teachers(
+                study, plan, self.teachers, self.folder, workers=workers, command=line
+            )
         return campaign.run(
             study,
-            Plan(self.seed, self.situations, self.pushes),
+            plan,
             folder=self.folder,
-            workers=self.workers or cores(),
+            workers=workers,
             video=self.video,
             progress=sys.stderr.isatty(),
             command=line,

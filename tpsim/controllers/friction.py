@@ -21,7 +21,7 @@ def felt_mass(state: State) -> float:
 
 
 def loose(stiffness: np.ndarray) -> np.ndarray:
-    """Share (n,) in which modes of a stiffness [1/s^2] are free: from 1 without to 0 with a spring."""
+    """Share (n,) in which modes are free: 1 without stiffness [1/s^2], 0 with much of it."""
     return 1 / (1 + (stiffness / WEAK) ** 2)
 
 

@@ -66,10 +66,10 @@ class MinimalIntervention(RenewedImpedance):
             "bandwidth", bandwidth_for() if bandwidth is None else bandwidth, above=0
         )
         self.friction = number("friction", friction, least=0)
-        self.effort = None if effort is None else checked_effort(effort)
+        self.effort: float | None = None if effort is None else checked_effort(effort)
         self._product: Product | None = None
         self._rate = 0.0
-        self._cap = np.inf
+        self._cap, self._effort = np.inf, self.effort
 
     def product(self, state: State) -> Information:
         """The product of all frames at a state.
@@ -92,11 +92,10 @@ class MinimalIntervention(RenewedImpedance):
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the product of all frames at a state."""
         modes = Modes.of(self.product(state), state)
-        if self._now is None:
+        if self._effort is None or self._now is None:
             self._begin(modes, state)
-        assert self.effort is not None
-        K = np.sqrt(modes.precision / self.effort)
-        if np.isfinite(self._cap):
+        K = np.sqrt(modes.precision / self._effort)
+        if self.effort is None:
             # Frames that nearly agree leave springs that would take seconds: they are none.
             K = np.minimum(K, self._cap) * (1 - loose(K))
         L, V = modes.inertia_root, modes.vectors
@@ -107,10 +106,9 @@ class MinimalIntervention(RenewedImpedance):
     def _begin(self, modes: "Modes", state: State) -> None:
         """Effort and friction, from what the first state shows."""
         if self.effort is None:
-            self._cap = (2 * np.pi * self.bandwidth) ** 2
-            top = float(modes.precision[-1])
+            self._cap, top = (2 * np.pi * self.bandwidth) ** 2, float(modes.precision[-1])
             # Where nothing matters there is no spring at all.
-            self.effort = top / self._cap**2 if top > NOTHING else np.inf
+            self._effort = top / self._cap**2 if top > NOTHING else np.inf
         self._rate = self.friction / felt_mass(state)
 
 
@@ -129,7 +127,7 @@ def bandwidth_for(delay: float = 0.005) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """The product of all frames in the coordinates z = L^T q, where every direction has unit inertia.
+    """The product of all frames in coordinates z = L^T q, in which all inertia is one.
 
     Parameters
     ----------

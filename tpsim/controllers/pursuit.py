@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
-from tpsim.controllers.minimal_intervention import MinimalIntervention, optimum
+from tpsim.controllers.minimal_intervention import MinimalIntervention, checked_effort, optimum
 from tpsim.controllers.product import Information, Skill
 from tpsim.robot.state import State
 from tpsim.robot.views.view import Seen
@@ -39,14 +39,17 @@ class Pursuit(MinimalIntervention):
     """
 
     def __init__(self, skills: Sequence[Skill], *, effort: float, every: int = 25):
-        super().__init__(skills, effort=effort, every=every)
+        # What moves must be led in every direction: here a frame counts as it was learned.
+        whole = [Skill(s.views, replace(s.model, relevance=())) for s in skills]
+        super().__init__(whole, effort=effort, every=every)
+        self.cost = checked_effort(effort)
         self._was: np.ndarray | None = None
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the product of all frames at a state, moving with them."""
         state = self._ahead(state)
         product, robot = self.product(state), state.robot
-        now = optimum(product, state, self.effort)
+        now = optimum(product, state, self.cost)
         pull = now.stiffness @ (now.reference - state.q)
         # At this speed spring and damper are in balance.
         speed = dgesv(now.damping, pull)[2]

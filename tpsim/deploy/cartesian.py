@@ -82,9 +82,8 @@ class HandFilter:
     """Impedances of all hands from that of the joints, step by step, within limits.
 
     The joints' impedance also ties hands to each other, which controllers of separate arms cannot
-    do: every stiffness is that of a hand whose surroundings give way
-    (:func:`tpsim.world.impedance.hand_stiffness`), and what the other hands ask of it moves its
-    target and its twist.
+    do: every stiffness is that of a hand while the other hands are held and the rest gives way,
+    and what the other hands ask of it moves its target and its twist.
 
     Parameters
     ----------
@@ -114,24 +113,23 @@ class HandFilter:
         """
         J = np.array([state.jacobian(site) for site in self._sites.values()])
         velocity = np.zeros(len(state.q)) if now.velocity is None else now.velocity
-        ways = _shares(J, now.stiffness, now.reference + since * velocity - state.q)
-        twists = _shares(J, now.damping, velocity - state.dq) + J @ state.dq
+        springs, ways = _own(J, now.stiffness, now.reference + since * velocity - state.q)
+        dampers, lags = _own(J, now.damping, velocity - state.dq)
         found = {}
         for h, (hand, site) in enumerate(self._sites.items()):
-            K, D = self._limited(hand, J[h], now, period)
+            K, D = self._limited(hand, springs[h], dampers[h], period)
             way = ways[h] / max(1.0, self._excess(K @ ways[h]))
             R, p = state.pose(site)
             target = Pose(pin.exp3(way[3:]) @ R, p + way[:3])
-            found[hand] = HandImpedance(K, D, target, twists[h])
+            found[hand] = HandImpedance(K, D, target, lags[h] + J[h] @ state.dq)
         return found
 
     def _limited(
-        self, hand: str, J: np.ndarray, now: Impedance, period: float
+        self, hand: str, K: np.ndarray, D: np.ndarray, period: float
     ) -> tuple[np.ndarray, np.ndarray]:
         """Stiffness and damping of a hand, within limits and rates."""
         limits, (K_before, D_before) = self._limits, self._gains[hand]
-        K = _below(symmetric(hand_stiffness(J, now.stiffness)), limits.stiffness)
-        D = _below(symmetric(hand_stiffness(J, now.damping)), limits.damping)
+        K, D = _below(symmetric(K), limits.stiffness), _below(symmetric(D), limits.damping)
         K = _nearer(K_before, K, limits.stiffness_rate, period)
         D = _nearer(D_before, D, limits.damping_rate, period)
         self._gains[hand] = K, D
@@ -143,21 +141,26 @@ class HandFilter:
         return float(max(force / self._limits.pull[0], torque / self._limits.pull[1]))
 
 
-def _shares(J: np.ndarray, gains: np.ndarray, change: np.ndarray) -> np.ndarray:
-    """Change (H, 6) of each hand at which its own gains make the wrench that all make together.
+def _own(J: np.ndarray, gains: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Gains (H, 6, 6) of each hand, and the change (H, 6) at which they make its wrench.
 
-    Together the hands J (H, 6, n) have the compliance ``C = J G^-1 J^T``, all blocks of it, and
-    the wrench ``F = C^+ J change``; hand h alone makes it by ``C_hh F_h``. For one hand that is
-    its own motion.
+    Together the hands J (H, 6, n) meet ``G = (J gains^-1 J^T)^-1``, all blocks of it, and the
+    wrench ``F = G J change``. Hand h alone, with the others held, has G_hh, and makes its part of
+    the wrench at ``G_hh^+ F_h``. For one hand that is its own motion.
     """
-    if len(J) == 1 or not gains.any():
-        moved: np.ndarray = J @ change
-        return moved
+    if len(J) == 1:
+        return hand_stiffness(J[0], gains)[None], J @ change
+    own, changes = np.zeros((len(J), 6, 6)), np.zeros((len(J), 6))
+    if not gains.any():
+        return own, changes
     stacked = J.reshape(-1, J.shape[-1])
-    C = stacked @ np.linalg.solve(gains, stacked.T)
-    wrench = np.linalg.pinv(C, rcond=1e-10) @ (stacked @ change)
-    rows = [slice(6 * h, 6 * h + 6) for h in range(len(J))]
-    return np.array([C[r, r] @ wrench[r] for r in rows])
+    G = np.linalg.pinv(stacked @ np.linalg.solve(gains, stacked.T), rcond=1e-12, hermitian=True)
+    wrench = G @ (stacked @ change)
+    for h in range(len(J)):
+        rows = slice(6 * h, 6 * h + 6)
+        own[h] = G[rows, rows]
+        changes[h] = np.linalg.pinv(own[h], rcond=1e-9, hermitian=True) @ wrench[rows]
+    return own, changes
 
 
 def _roots(bound: Pair) -> np.ndarray:

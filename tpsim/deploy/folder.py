@@ -15,6 +15,7 @@ from tpsim.deploy.recipes import (
     FixedRecipe,
     HorizonRecipe,
     InterventionRecipe,
+    PursuitRecipe,
     Recipe,
     TimedRecipe,
     WrittenSkill,
@@ -24,6 +25,7 @@ from tpsim.deploy.sensed import objects_in
 from tpsim.deploy.values import Reader, taken_apart
 from tpsim.errors import ArgumentError, RecordingError, TpsimError
 from tpsim.gaussian import Gaussian
+from tpsim.learning.free_movement import Relevance
 from tpsim.npz import read_members, write_members
 from tpsim.pose import Pose
 from tpsim.robot.robot import Robot
@@ -75,8 +77,8 @@ class _Whole:
     content: Content
 
 
-_PARTS = (_Whole, Content, RobotFile, WrittenSkill, Gaussian, SeenMovement, Site, Object)
-_RECIPES = (InterventionRecipe, TimedRecipe, HorizonRecipe, FixedRecipe)
+_PARTS = (_Whole, Content, RobotFile, WrittenSkill, Gaussian, Relevance, SeenMovement, Site, Object)
+_RECIPES = (InterventionRecipe, PursuitRecipe, TimedRecipe, HorizonRecipe, FixedRecipe)
 _VIEWS = (SiteView, Direction, Bearing, Joints, Spare, Part, Offset, Beneath)
 
 

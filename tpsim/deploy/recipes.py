@@ -3,7 +3,6 @@
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from tpsim.controllers.renewed import FixedImpedance
 from tpsim.controllers.timed_intervention import TimedIntervention
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
+from tpsim.learning.free_movement import Relevance
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.joints import Joints
@@ -30,11 +30,13 @@ class WrittenSkill:
     views: Mapping[str, View]
     priors: np.ndarray
     frames: tuple[Gaussian, ...]
+    relevance: tuple[Relevance, ...]
 
     @classmethod
     def of(cls, skill: Skill) -> "WrittenSkill":
         """A skill without the history of its learning."""
-        return cls(dict(skill.views), skill.model.priors, skill.model.frames)
+        model = skill.model
+        return cls(dict(skill.views), model.priors, model.frames, model.relevance)
 
     def seen(self, inputs: int = 0) -> Iterator[tuple[View, int]]:
         """Views, and the dimensions of their frames besides the inputs."""
@@ -44,7 +46,7 @@ class WrittenSkill:
     @property
     def skill(self) -> Skill:
         """The skill."""
-        return Skill(self.views, TPGMM(self.priors, self.frames))
+        return Skill(self.views, TPGMM(self.priors, self.frames, relevance=self.relevance))
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +88,6 @@ class _Held(Recipe):
     ``held`` says that the prior's mean is the posture in which the robot starts.
     """
 
-    effort: float
     prior: Gaussian | None
     held: bool
 
@@ -110,10 +111,12 @@ class _Held(Recipe):
 
 @dataclass(frozen=True, eq=False)
 class InterventionRecipe(_Held):
-    """Of :class:`MinimalIntervention`, or of :class:`Pursuit`, which has no prior."""
+    """Of :class:`MinimalIntervention`."""
 
-    law: Literal["MinimalIntervention", "Pursuit"]
     skills: tuple[WrittenSkill, ...]
+    bandwidth: float
+    friction: float
+    effort: float | None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -128,18 +131,44 @@ class InterventionRecipe(_Held):
 
     def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
         """A new controller."""
-        skills = [written.skill for written in self.skills]
-        if self.law == "Pursuit":
-            return Pursuit(skills, effort=self.effort, every=self._every(period))
         return MinimalIntervention(
-            skills, effort=self.effort, prior=self._prior(start), every=self._every(period)
+            [written.skill for written in self.skills],
+            bandwidth=self.bandwidth if self.effort is None else None,
+            effort=self.effort,
+            friction=self.friction,
+            prior=self._prior(start),
+            every=self._every(period),
         )
+
+
+@dataclass(frozen=True, eq=False)
+class PursuitRecipe(Recipe):
+    """Of :class:`Pursuit`."""
+
+    skills: tuple[WrittenSkill, ...]
+    effort: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.skills:
+            raise ArgumentError("there is no skill")
+
+    def seen(self) -> Iterator[tuple[View, int]]:
+        """Views and dimensions of all skills."""
+        for skill in self.skills:
+            yield from skill.seen()
+
+    def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
+        """A new controller."""
+        skills = [written.skill for written in self.skills]
+        return Pursuit(skills, effort=self.effort, every=self._every(period))
 
 
 @dataclass(frozen=True, eq=False)
 class TimedRecipe(_Held):
     """Of :class:`TimedIntervention`."""
 
+    effort: float
     skill: WrittenSkill
     until: float
 
@@ -224,17 +253,19 @@ def recipe_of(controller: object, period: float) -> Recipe:
         If it is none of tpsim's controllers.
     """
     kind = type(controller)
-    if isinstance(controller, MinimalIntervention) and kind in (MinimalIntervention, Pursuit):
+    if isinstance(controller, Pursuit) and kind is Pursuit:
         skills = tuple(WrittenSkill.of(skill) for skill in controller.skills)
-        law: Literal["MinimalIntervention", "Pursuit"] = (
-            "Pursuit" if kind is Pursuit else "MinimalIntervention"
-        )
-        lasts = controller.every * period
-        return InterventionRecipe(lasts, controller.effort, controller.prior, False, law, skills)
+        return PursuitRecipe(controller.every * period, skills, controller.cost)
+    if isinstance(controller, MinimalIntervention) and kind is MinimalIntervention:
+        m = controller
+        skills = tuple(WrittenSkill.of(skill) for skill in m.skills)
+        rest = skills, m.bandwidth, m.friction, m.effort
+        return InterventionRecipe(m.every * period, m.prior, False, *rest)
     if isinstance(controller, TimedIntervention) and kind is TimedIntervention:
-        lasts, timed = controller.every * period, controller
+        timed = controller
         skill = WrittenSkill.of(timed.skill)
-        return TimedRecipe(lasts, timed.effort, timed.prior, False, skill, timed.until)
+        lasts = timed.every * period
+        return TimedRecipe(lasts, timed.prior, False, timed.effort, skill, timed.until)
     if isinstance(controller, FiniteHorizon) and kind is FiniteHorizon:
         f = controller
         parts = f.objects, f.movements, f.posture, f.joints, f.site, f.dt, f.effort

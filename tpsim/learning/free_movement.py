@@ -95,7 +95,7 @@ def relevance(
     ArgumentError
         If shapes do not fit, or ``free`` is not positive definite.
     """
-    K, d = gaussian.mean.shape
+    d = gaussian.dim
     free = frozen_array("free", free)
     if not samples > 0:
         raise ArgumentError(f"samples is {samples}; give a positive number, or inf")

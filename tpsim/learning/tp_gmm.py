@@ -12,8 +12,8 @@ from tpsim.checks import Seed, entries, frozen_array, instance, several
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
-from tpsim.learning.free_movement import Relevance
 from tpsim.learning.fit import Options, Start, Views, fit, seen_by_frames
+from tpsim.learning.free_movement import Relevance
 from tpsim.learning.gmm import GMM, checked_priors, log_priors, log_sum, posterior
 from tpsim.learning.moments import Memory
 from tpsim.learning.product import product_of_frames, product_with_ridge

@@ -4,7 +4,7 @@ import inspect
 import shutil
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
@@ -25,6 +25,8 @@ from tpsim.study.teaching import taught_all
 from tpsim.study.teaching_files import write_demonstrations
 from tpsim.task.verbs import learn
 
+Look = Callable[[Lab, Records, list[Result]], None]
+
 
 def run(
     study: Study,
@@ -35,6 +37,7 @@ def run(
     video: bool = True,
     progress: bool = False,
     command: str = "",
+    look: Look | None = None,
 ) -> Answer:
     """The whole job of a study: teach, learn, perform every condition, film and report.
 
@@ -53,6 +56,8 @@ def run(
         Whether to draw a bar on standard error.
     command : str
         What was typed, for people who read the folder and the report.
+    look : callable, optional
+        ``look(lab, records, results)`` is shown what came out.
 
     Returns
     -------
@@ -76,6 +81,8 @@ def run(
     records = _experiment(opened, lab, plan, workers, progress)
     say("measuring")
     results = figures.results(lab, records)
+    if look is not None:
+        look(lab, records, results)
     film, hint = _film(opened, lab, records) if video else (None, "No film was asked for.")
     opened = opened.finish()
     report = _report(opened, lab, records, results, film, hint)

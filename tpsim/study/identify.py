@@ -52,7 +52,9 @@ def identify_stiffness(
     values, V = eigh(command.stiffness, M)
     values, V = values[values > STIFF], V[:, values > STIFF]
     if not len(values):
-        raise SimulationError(f"no mode is stiffer than {STIFF:g} /s^2; there is nothing to measure")
+        raise SimulationError(
+            f"no mode is stiffer than {STIFF:g} /s^2; there is nothing to measure"
+        )
     compliance = np.empty((len(values), len(values)))
     for k, value in enumerate(values):
         found = []

@@ -70,11 +70,8 @@ def with_relevance(
         ):
             kinds = view.kinds(robot)
             least = np.diag([LEAST.get(kind, 0.0) ** 2 for kind in kinds])
-            free = exchanged[j]
-            if free is None:
-                free = np.diag([widest[kind] ** 2 for kind in kinds])
-            else:
-                free = free + least
+            alone = np.diag([widest[kind] ** 2 for kind in kinds])
+            free = alone if exchanged[j] is None else exchanged[j] + least
             samples = effective_samples([trial[j] for trial in trials], "covariance")
             share = float(models[name].priors.min())
             parts.append(relevance(gaussian, free, kinds, share * samples))

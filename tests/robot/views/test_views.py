@@ -10,8 +10,8 @@ from tpsim.errors import ArgumentError, SimulationError
 from tpsim.pose import Pose
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.joints import Joints
-from tpsim.robot.views.sites import Object, Site
 from tpsim.robot.views.observe import observe
+from tpsim.robot.views.sites import Object, Site
 
 BOX = Object("box")
 

@@ -73,7 +73,7 @@ def test_the_sugar_starts_at_its_place_above_a_level_cup(cup_world):
 
 
 def test_a_variation_of_a_task_is_another_value():
-    soft = replace(CupAndSugar(), effort=3.0)
+    soft = replace(CupAndSugar(), bandwidth=3.0)
     assert soft != CupAndSugar()
     assert soft.name == "cup-and-sugar"
     assert CupAndSugar(("sugar",)).name == "sugar"

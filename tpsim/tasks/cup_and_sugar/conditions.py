@@ -17,34 +17,49 @@ DIRECTIONS = np.vstack([np.eye(3), -np.eye(3)])
 PUSH, ELBOW_PUSH = 20.0, 15.0
 """Forces [N] on the left hand and on the right elbow, for two seconds."""
 
+ONSET = (0.3, 3.0)
+"""Pushes begin at a time drawn from this range [s]: while the arms settle, and long after."""
+
 TRAVEL = 0.15
 """How far the left hand is led [m]."""
 
-_HEADING = 2
+_HEADING, _ONSET = 2, 3
 
 
 def conditions(lab: Lab, plan: Plan) -> Phases:
-    """Unpushed first; where each then rests, the fixed gains to compare with begin."""
+    """Unpushed first; where each then is, the controllers to compare with begin."""
     drawn = [draw_situation(lab.task, plan.seed, i) for i in range(plan.situations)]
     records = yield [Condition("unpushed", situation) for situation in drawn]
     found: list[Condition] = []
     both = "sugar" in lab.task.behaviours()
     for twin in records.select("unpushed"):
-        situation = twin.condition.situation
-        rest = replace(situation, start=tuple(twin["q"][-1].tolist()))
-        found += _pushed(lab, situation, rest, plan.pushes)
+        found += _pushed(lab, twin, plan)
         if both:
-            found += _elbow(situation)
-            found.append(_led(situation, twin, plan))
+            found += _elbow(twin.condition.situation)
+            found += _led(lab, twin, plan)
     yield found
 
 
-def _pushed(lab: Lab, situation: Situation, rest: Situation, pushes: int) -> Iterator[Condition]:
-    for k in range(pushes):
-        push = Push("left_gripper", tuple((PUSH * DIRECTIONS[k % 6]).tolist()))
+def _pushed(lab: Lab, twin: Record, plan: Plan) -> Iterator[Condition]:
+    situation = twin.condition.situation
+    rng = plan.rng(_ONSET, situation.index)
+    for k in range(plan.pushes):
+        onset = float(np.round(rng.uniform(*ONSET), 2))
+        force = tuple((PUSH * DIRECTIONS[k % 6]).tolist())
+        push = Push("left_gripper", force, start=onset)
+        rest = resting(twin, onset)
         for controller in lab.study.all_controllers:
             start = situation if controller == "learned" else rest
             yield Condition("pushed", start, controller, (push,))
+
+
+def resting(twin: Record, time: float) -> Situation:
+    """The situation with the posture that an unpushed trial has at a time as its start.
+
+    From there a controller that holds its start is pushed where the learned one is.
+    """
+    k = int(np.searchsorted(twin.trial.time, time))
+    return replace(twin.condition.situation, start=tuple(twin["q"][k].tolist()))
 
 
 def _elbow(situation: Situation) -> Iterator[Condition]:
@@ -54,9 +69,15 @@ def _elbow(situation: Situation) -> Iterator[Condition]:
         yield Condition("elbow", situation, push=(Push("right_elbow", force),))
 
 
-def _led(situation: Situation, twin: Record, plan: Plan) -> Condition:
+def _led(lab: Lab, twin: Record, plan: Plan) -> Iterator[Condition]:
+    """The hand led along a line, by every controller: the same way, so that forces compare."""
+    situation = twin.condition.situation
     heading = plan.rng(_HEADING, situation.index).uniform(0, 2 * np.pi)
     travel = TRAVEL * np.array([np.cos(heading), np.sin(heading), 0.0])
-    origin = twin["left_hand_position"][-1]
-    lead = Lead("left_gripper", tuple(origin.tolist()), tuple(travel.tolist()))
-    return Condition("led", situation, lead=(lead,))
+    lead = Lead("left_gripper", (0.0, 0.0, 0.0), tuple(travel.tolist()))
+    rest = resting(twin, lead.start)
+    k = int(np.searchsorted(twin.trial.time, lead.start))
+    origin = tuple(twin["left_hand_position"][k].tolist())
+    for controller in lab.study.all_controllers:
+        start = situation if controller == "learned" else rest
+        yield Condition("led", start, controller, lead=(replace(lead, origin=origin),))

@@ -29,10 +29,10 @@ def sections(records: Records) -> list[Section]:
     shown = {name: groups[name] for name in list(groups)[:2]}
     found = []
     if "cup" in records.models:
-        figure = plot.panels(shown, _tilt, label="cup tilt [deg]", limit=5.0)
+        figure = plot.panels(shown, _tilt, label="cup tilt [deg]", limit=3.0)
         found.append(Section("The cup stays level", _TILT, [Picture(figure)]))
     if "sugar" in records.models:
-        figure = plot.panels(shown, offset, label="sugar offset [mm]", limit=15.0)
+        figure = plot.panels(shown, offset, label="sugar offset [mm]", limit=6.0)
         found.append(Section("The sugar stays above it", _OFFSET, [Picture(figure)]))
     more = _yielding(records), _stiffness(records)
     return found + [section for section in more if section is not None]

@@ -35,6 +35,9 @@ from tpsim.gaussian import match_moments as match_moments
 from tpsim.learning.dtw import Warp as Warp
 from tpsim.learning.dtw import align as align
 from tpsim.learning.dtw import dtw as dtw
+from tpsim.learning.effective import demonstrations_wanted as demonstrations_wanted
+from tpsim.learning.effective import deviation_interval as deviation_interval
+from tpsim.learning.effective import effective_samples as effective_samples
 from tpsim.learning.gmm import GMM as GMM
 from tpsim.learning.gmm import fit_gmm as fit_gmm
 from tpsim.learning.hmm import HMM as HMM

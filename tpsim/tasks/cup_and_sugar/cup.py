@@ -5,7 +5,10 @@ import numpy as np
 from tpsim.pose import Pose
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Site
+from tpsim.task.task import Goal
 from tpsim.tasks.cup_and_sugar.hands import Hands, Workspace
+from tpsim.world.people.care import Care
+from tpsim.world.people.demonstrator import TeacherName
 from tpsim.world.teaching import Lesson
 from tpsim.world.world import World
 
@@ -20,6 +23,12 @@ redundancy (Eq. 42)."""
 
 LEVEL = CUP.axis("z", reference=np.eye(3))
 """Tilt: angles of the cup's axis from the vertical [rad]."""
+
+GOALS = {"tilt": Goal(LEVEL, float(np.radians(5.0)))}
+"""What the teacher keeps to."""
+
+TILT, HEIGHT = Care(rotation=(1, 1, 0)), Care(position=(0, 0, 1))
+"""What the teacher sees to: the cup is level; or, one who cares about another thing, its height."""
 
 TAUGHT = Workspace()
 """Where the teacher carries the cup: position and yaw vary freely, tilt does not."""
@@ -63,9 +72,10 @@ def lesson(
     workspace: Workspace = TAUGHT,
     *,
     level: float | None = None,
+    teacher: TeacherName = "firm",
 ) -> Lesson:
     """Draw one demonstration: the left hand is led, the right one waits aside."""
-    hands = Hands(world)
+    hands = Hands(world, teacher)
     rotations, positions = via_poses(hands, rng, workspace, level=level)
     R_sugar, p_sugar = hands.sugar
     start = hands.reach(
@@ -75,7 +85,8 @@ def lesson(
         sugar=Pose(R_sugar, p_sugar + ASIDE),
     )
     seconds = rng.uniform(*SECONDS)
-    guide = hands.guide("cup", rotations, positions, seconds, rng)
+    care = TILT if level is None else HEIGHT
+    guide = hands.guide("cup", rotations, positions, seconds, rng, care=care)
     return Lesson(start, (guide,), seconds, held=hands.right)
 
 

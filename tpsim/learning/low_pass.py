@@ -52,6 +52,6 @@ def low_pass(time: ArrayLike, values: ArrayLike, cutoff: float) -> Floats:
     number("cutoff", cutoff, above=0, below=rate / 2)
     sections = butter(ORDER, cutoff, fs=rate, output="sos")
     # As long as the filter remembers, where the movement is as long as that.
-    ends = min(len(time) - 1, round(rate / cutoff))
+    ends = min(len(time) - 1, round(3 * rate / cutoff))
     filtered: Floats = sosfiltfilt(sections, rows, axis=0, padlen=ends)
     return filtered.reshape(np.shape(values))

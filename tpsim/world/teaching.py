@@ -214,7 +214,7 @@ def teach(
             if refusal is None and judge is not None:
                 refusal = judge(trial)
         except SimulationError as error:
-            refusal = Refusal("unreachable", str(error))
+            refusal = Refusal("unreachable", f"unreachable: {error}")
         if refusal is None:
             trials.append(trial)
         else:

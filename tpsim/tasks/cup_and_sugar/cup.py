@@ -33,8 +33,8 @@ TILT, HEIGHT = Care(rotation=(1, 1, 0)), Care(position=(0, 0, 1))
 TAUGHT = Workspace()
 """Where the teacher carries the cup: position and yaw vary freely, tilt does not."""
 
-SECONDS = (6.0, 8.0)
-"""A demonstration lasts a time drawn from this range [s]."""
+SECONDS = {"firm": (6.0, 8.0), "human": (10.0, 14.0)}
+"""A demonstration lasts a time drawn from this range [s]: people take their time."""
 
 VIAS = 4
 """Poses that the hand passes after the first one."""
@@ -84,7 +84,7 @@ def lesson(
         cup=Pose(rotations[0], positions[0]),
         sugar=Pose(R_sugar, p_sugar + ASIDE),
     )
-    seconds = rng.uniform(*SECONDS)
+    seconds = rng.uniform(*SECONDS[teacher])
     care = TILT if level is None else HEIGHT
     guide = hands.guide("cup", rotations, positions, seconds, rng, care=care)
     return Lesson(start, (guide,), seconds, held=hands.right)

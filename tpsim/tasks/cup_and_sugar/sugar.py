@@ -58,7 +58,7 @@ def lesson(
     places = np.tile(p_above, (len(positions), 1))
     first = Pose(rotations[0], positions[0])
     start = hands.reach(rng, workspace.elbow, cup=first, sugar=first @ Pose(turned[0], p_above))
-    seconds = rng.uniform(*cup.SECONDS)
+    seconds = rng.uniform(*cup.SECONDS[teacher])
     left = hands.guide("cup", rotations, positions, seconds, rng)
     right = hands.guide("sugar", turned, places, seconds, rng, care=PLACE, relative_to="cup")
     return Lesson(start, (left, right), seconds)

@@ -20,6 +20,7 @@ from tpsim.tasks.cup_and_sugar import cup, sugar
 from tpsim.tasks.cup_and_sugar.hands import Hands
 from tpsim.tasks.robots import CAMERAS, FLOOR, TABLE, baxter
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
+from tpsim.world.rehearsal import considered
 from tpsim.world.world import World
 
 HOME = (
@@ -85,7 +86,7 @@ class CupAndSugar(Task):
         return {
             name: Behaviour(
                 _ROOMS[name].VIEWS,
-                partial(_ROOMS[name].lesson, teacher=self.teacher),
+                considered(partial(_ROOMS[name].lesson, teacher=self.teacher), self.teacher),
                 fit,
                 goals[name],
                 CUTOFF[self.teacher],

@@ -17,6 +17,10 @@ from tpsim.world.world import World
 SHORT, SMOOTH = 0.003, 0.003
 """How much of an arm's length the teacher keeps it from being stretched, and how softly [m]."""
 
+PACE = {"firm": 1.0, "human": 2.0}
+"""How many times longer the objects take while a person shows than in the task: one who sees late
+follows slowly."""
+
 FADE = 0.5
 """Time [s] over which a teacher's hand begins to wander."""
 
@@ -44,8 +48,9 @@ class TrackingTeacher:
 
     def __call__(self, world: World, rng: np.random.Generator) -> Lesson:
         """Draw paths of the objects, and how a person leads both hands after them."""
-        body, h = Body.of(world.robot), world.timestep
-        places = points(self.carousel.vias(body, rng), h * np.arange(round(SECONDS / h)))
+        body, h, pace = Body.of(world.robot), world.timestep, PACE[self.teacher]
+        clock = h * np.arange(round(pace * SECONDS / h))
+        places = points(self.carousel.vias(body, rng), clock / pace)
         who = DEMONSTRATORS[self.teacher]
         sights = who.sights(rng, 2)
         expected = [
@@ -60,7 +65,7 @@ class TrackingTeacher:
             for side, place, sight in zip(SIDES, expected, sights, strict=True)
         )
         start = body.posture(angle[0], *places[:, 0])
-        return Lesson(start, guides, SECONDS, objects=paths(places[:, :: round(PERIOD / h)]))
+        return Lesson(start, guides, pace * SECONDS, objects=paths(places[:, :: round(PERIOD / h)]))
 
     def _care(self, side: str) -> Care:
         """A hand matters in the plane, fully unless the other one comes first."""

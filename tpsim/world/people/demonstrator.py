@@ -66,7 +66,7 @@ FIRM = Demonstrator()
 """Hands of 2000 N/m without delay: firmer than any person's, for what learning does at best."""
 
 HUMAN = Demonstrator(
-    Grip(600.0, 60.0, 15.0, 0.9, 30.0, 5.0),
+    Grip(600.0, 60.0, 20.0, 1.2, 30.0, 5.0),
     Variation(
         drift=0.004,
         tremor=0.0002,

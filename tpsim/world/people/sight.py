@@ -44,7 +44,7 @@ class Sight:
     delay: float = 0.2
     interval: float = 0.3
     first: float = 0.0
-    gain: float = 0.35
+    gain: float = 0.15
     smoothing: float = 0.1
 
     def __post_init__(self) -> None:

@@ -19,7 +19,7 @@ from tpsim.world.world import World
 LIMIT_MARGIN = 0.05
 """Distance to a joint limit [rad] at which a demonstration counts as having hit it."""
 
-AT_ITS_STRENGTH = 0.05
+AT_ITS_STRENGTH = 0.1
 """Share of a demonstration for which a teacher may pull as hard as its grip allows."""
 
 ATTEMPTS = 10

@@ -41,7 +41,7 @@ REACHED = 0.01
 """Distance [m] up to which a hand is at its object."""
 
 
-SHOWN = 0.02
+SHOWN = 0.03
 """Distance [m] from its object up to which the teacher keeps the hand that comes first."""
 
 

@@ -85,6 +85,10 @@ from tpsim.task.verbs import teach as teach
 from tpsim.world.impedance import Controller as Controller
 from tpsim.world.impedance import Impedance as Impedance
 from tpsim.world.object_path import ObjectPath as ObjectPath
+from tpsim.world.people.care import Care as Care
+from tpsim.world.people.demonstrator import FIRM as FIRM
+from tpsim.world.people.demonstrator import HUMAN as HUMAN
+from tpsim.world.people.demonstrator import Demonstrator as Demonstrator
 from tpsim.world.people.guide import Grip as Grip
 from tpsim.world.people.guide import Guide as Guide
 from tpsim.world.people.posture_script import hand_path as hand_path
@@ -93,9 +97,11 @@ from tpsim.world.people.push import Push as Push
 from tpsim.world.people.script import Variation as Variation
 from tpsim.world.people.script import script as script
 from tpsim.world.people.script import straight as straight
+from tpsim.world.people.sight import Sight as Sight
 from tpsim.world.plant import Plant as Plant
 from tpsim.world.reach import reach as reach
 from tpsim.world.reach import satisfy as satisfy
+from tpsim.world.rehearsal import Rehearsed as Rehearsed
 from tpsim.world.rollout import rollout as rollout
 from tpsim.world.teaching import Lesson as Lesson
 from tpsim.world.trial import Trial as Trial

@@ -45,6 +45,7 @@ from tpsim.learning.hmm import fit_hmm as fit_hmm
 from tpsim.learning.hsmm import HSMM as HSMM
 from tpsim.learning.hsmm import fit_hsmm as fit_hsmm
 from tpsim.learning.incremental import update_tp_gmm as update_tp_gmm
+from tpsim.learning.low_pass import low_pass as low_pass
 from tpsim.learning.markov import MarkovChain as MarkovChain
 from tpsim.learning.pgmm import PGMM as PGMM
 from tpsim.learning.pgmm import fit_pgmm as fit_pgmm

@@ -50,7 +50,17 @@ def pushed(tmp_path_factory):
 
 def test_a_run_answers_with_figures_limits_and_paths(toy_run):
     answer, folder = toy_run
-    keys = ["task", "seed", "trials", "figures", "missed", "wall_seconds", "paths"]
+    keys = [
+        "task",
+        "seed",
+        "trials",
+        "refused_demonstrations",
+        "refusals",
+        "figures",
+        "missed",
+        "wall_seconds",
+        "paths",
+    ]
     assert list(answer) == keys
     assert (answer["task"], answer["seed"], answer["trials"]) == ("bring", 3, 9)
     assert set(answer["figures"]) == {"gap", "strength", "realtime_factor"}
@@ -136,7 +146,7 @@ def test_side_by_side_teaching_gives_the_same_bits(toy):
     study = replace(toy, task=task)
     alone, beside = (teaching.taught_all(study, 1, 4, workers) for workers in (1, 2))
     assert list(alone) == list(beside) == ["one", "two"]
-    np.testing.assert_array_equal(alone["two"][0]["q"], beside["two"][0]["q"])
+    np.testing.assert_array_equal(alone["two"].trials[0]["q"], beside["two"].trials[0]["q"])
 
 
 def test_a_push_yields_and_the_task_is_kept(pushed):

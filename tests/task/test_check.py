@@ -91,7 +91,9 @@ def test_teaching_that_fails_says_why():
 
     with pytest.raises(TpsimError, match="no movable object 'tea'"):
         lab.teach(Taught(), 1)
-    with pytest.raises(TpsimError, match=r"0 of 1 .*: 10 unreachable; the last error: poses of"):
+    with pytest.raises(
+        TpsimError, match=r"0 of 1 .*: 10 unreachable; the last one: unreachable: poses of"
+    ):
         lab.teach(Taught(show=unreachable), 1)
 
 

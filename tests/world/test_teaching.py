@@ -107,8 +107,10 @@ def test_teaching_repeats_bit_for_bit_and_rejects_what_is_useless(world):
         teach(world, plan, 3, seed=4, sites=SITES, progress=lambda i, o: outcomes.append(o))
         for _ in range(2)
     ]
-    assert "unreachable" in outcomes
-    for one, other in zip(*runs, strict=True):
+    assert "unreachable: too far" in outcomes
+    assert runs[0].refusals == {"unreachable": outcomes.count("unreachable: too far") // 2}
+    assert runs[0].attempts == 3 + runs[0].refusals["unreachable"]
+    for one, other in zip(*(run.trials for run in runs), strict=True):
         assert one.about == other.about
         for name, signal in one.arrays.items():
             assert np.array_equal(signal, other[name]), name

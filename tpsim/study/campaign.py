@@ -14,14 +14,13 @@ from tqdm import tqdm  # type: ignore[import-untyped]
 from tpsim.errors import RenderingError
 from tpsim.film import rendering
 from tpsim.film.video import film as write_film
-from tpsim.study import clips, figures, learned, series
+from tpsim.study import clips, figures, learned, series, teaching
 from tpsim.study.files.run import Run
 from tpsim.study.measure import Result
 from tpsim.study.record import Records
 from tpsim.study.recording import Answer, open_folder, record_all, say
-from tpsim.study.report import write_report
+from tpsim.study.report import Section, write_report
 from tpsim.study.study import Lab, Plan, Study
-from tpsim.study.teaching import taught_all
 from tpsim.study.teaching_files import write_demonstrations
 from tpsim.task.verbs import learn
 
@@ -63,7 +62,8 @@ def run(
     -------
     dict
         ``task``, ``seed``, ``trials``, ``figures`` by name, ``missed`` (titles of the measures
-        whose limit is not kept), ``wall_seconds``, ``paths`` to ``run``, ``report``, ``film``.
+        whose limit is not kept), ``refused_demonstrations``, ``refusals`` (how many, by reason),
+        ``wall_seconds``, ``paths`` to ``run``, ``report``, ``film``.
     """
     began, task = time.monotonic(), study.task
     figures.check(study)
@@ -71,7 +71,8 @@ def run(
     settings = {"plan": asdict(plan), "demonstrations": task.demonstrations}
     opened = open_folder(study, command, settings, plan.seed, folder)
     with removed_if_nothing_came(opened.folder):
-        taught = taught_all(study, task.demonstrations, plan.seed, workers)
+        shown = teaching.taught_all(study, task.demonstrations, plan.seed, workers)
+    taught = {behaviour: found.trials for behaviour, found in shown.items()}
     for behaviour, trials in taught.items():
         where = opened.folder / "demonstrations" / behaviour
         write_demonstrations(where, study, behaviour, trials, seed=plan.seed, command=command)
@@ -85,11 +86,12 @@ def run(
         look(lab, records, results)
     film, hint = _film(opened, lab, records) if video else (None, "No film was asked for.")
     opened = opened.finish()
-    report = _report(opened, lab, records, results, film, hint)
+    report = _report(opened, lab, records, results, film, hint, teaching.section(shown))
     return {
         "task": task.name,
         "seed": plan.seed,
         "trials": len(records),
+        **teaching.refused(shown),
         "figures": {result.name: result.value for result in results},
         "missed": [result.title for result in results if result.passed is False],
         "wall_seconds": round(time.monotonic() - began, 1),
@@ -138,7 +140,13 @@ def _film(run: Run, lab: Lab, records: Records) -> tuple[Path | None, str]:
 
 
 def _report(
-    run: Run, lab: Lab, records: Records, results: list[Result], film: Path | None, hint: str
+    run: Run,
+    lab: Lab,
+    records: Records,
+    results: list[Result],
+    film: Path | None,
+    hint: str,
+    taught: Section,
 ) -> Path:
     study, task = lab.study, lab.task
     if study.sections is None:
@@ -151,7 +159,7 @@ def _report(
         lead=study.lead or inspect.cleandoc(type(task).__doc__ or "").partition("\n\n")[0],
         command=run.file.command,
         figures=results,
-        sections=[*sections, learned.section(task, lab.models)],
+        sections=[*sections, taught, learned.section(task, lab.models)],
         film=film,
         no_film=hint,
         about={"seed": run.file.seed, "started": run.file.started},

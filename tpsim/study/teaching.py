@@ -1,5 +1,6 @@
 """The verbs teach and learn of a study: demonstrations and models, in folders of their own."""
 
+from collections import Counter
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -10,6 +11,7 @@ from tpsim import paths
 from tpsim.study import learned
 from tpsim.study.files.models_file import save_models
 from tpsim.study.recording import Answer, say
+from tpsim.study.report import Section
 from tpsim.study.study import Study
 from tpsim.study.teaching_files import (
     place_for,
@@ -19,10 +21,15 @@ from tpsim.study.teaching_files import (
 )
 from tpsim.study.workers import Workers
 from tpsim.task.task import Task
-from tpsim.task.verbs import Taught
+from tpsim.task.verbs import Taught, show_all
 from tpsim.task.verbs import learn as learn_behaviours
-from tpsim.task.verbs import teach as teach_behaviours
-from tpsim.world.trial import Trial
+from tpsim.world.teaching import Shown
+
+TEXT = (
+    "Demonstrations are refused, and shown again, where the robot came to its limits or touched "
+    "something, where the teacher pulled as hard as it can, and where it missed what it cares "
+    "about itself."
+)
 
 
 def teach(
@@ -58,17 +65,19 @@ def teach(
     count = task.demonstrations if count is None else count
     attempts, written = {}, []
     targets = {behaviour: place_for(task, folder, behaviour) for behaviour in task.behaviours()}
-    for behaviour, trials in taught_all(study, count, seed).items():
+    all_shown = taught_all(study, count, seed)
+    for behaviour, shown in all_shown.items():
         target = targets[behaviour]
         with replaced(target) as new:
-            write_demonstrations(new, study, behaviour, trials, seed=seed, command=command)
-        attempts[behaviour] = int(str(trials[-1].about["attempt"])) + 1
+            write_demonstrations(new, study, behaviour, shown.trials, seed=seed, command=command)
+        attempts[behaviour] = shown.attempts
         written.append(str(target))
     return {
         "task": task.name,
         "seed": seed,
         "count": count,
         "attempts": attempts,
+        **refused(all_shown),
         "paths": {"demonstrations": written},
     }
 
@@ -112,7 +121,30 @@ def demonstrations_of(study: Study, given: Path | Taught | None) -> Taught:
     return given if isinstance(given, Mapping) else read_demonstrations(study.task, given)
 
 
-def taught_all(study: Study, count: int, seed: int, workers: int = 1) -> dict[str, list[Trial]]:
+def refused(shown: Mapping[str, Shown]) -> Answer:
+    """How many demonstrations were refused, and how many for each reason."""
+    reasons: Counter[str] = Counter()
+    for found in shown.values():
+        reasons.update(found.refusals)
+    return {"refused_demonstrations": reasons.total(), "refusals": dict(reasons.most_common())}
+
+
+def section(shown: Mapping[str, Shown]) -> Section:
+    """Part of a report: how often every behaviour was shown, and why some was not learned from."""
+    rows = [
+        {
+            "behaviour": behaviour,
+            "attempts": found.attempts,
+            "learned from": len(found.trials),
+            "refused": ", ".join(f"{count} {why}" for why, count in found.refusals.items())
+            or "none",
+        }
+        for behaviour, found in shown.items()
+    ]
+    return Section("What was shown", TEXT, table=rows)
+
+
+def taught_all(study: Study, count: int, seed: int, workers: int = 1) -> dict[str, Shown]:
     """Teach all behaviours, side by side with several workers; their number changes no bit."""
     behaviours = list(study.task.behaviours())
     if workers == 1 or len(behaviours) == 1:
@@ -121,11 +153,11 @@ def taught_all(study: Study, count: int, seed: int, workers: int = 1) -> dict[st
         return dict(zip(behaviours, pool.map(behaviours), strict=True))
 
 
-def _teacher(given: tuple[Task, int, int]) -> "partial[list[Trial]]":
+def _teacher(given: tuple[Task, int, int]) -> "partial[Shown]":
     return partial(_taught, *given)
 
 
-def _taught(task: Task, count: int, seed: int, behaviour: str) -> list[Trial]:
+def _taught(task: Task, count: int, seed: int, behaviour: str) -> Shown:
     """Demonstrations of one behaviour; standard error says how every attempt ends."""
     good = 0
 
@@ -135,4 +167,4 @@ def _taught(task: Task, count: int, seed: int, behaviour: str) -> list[Trial]:
         say(f"teaching {name}: attempt {attempt + 1} {outcome}, {good} of {count} good")
 
     with threadpool_limits(1):
-        return teach_behaviours(task, count, seed, [behaviour], tell)[behaviour]
+        return show_all(task, count, seed, [behaviour], tell)[behaviour]

@@ -32,6 +32,8 @@ def check(task: Task) -> None:
         _check_mapping(task, f"behaviour '{name}', views", behaviour.views)
         for title, view in behaviour.views.items():
             _look(f"view '{title}' of behaviour '{name}'", view, state)
+        for title, goal in behaviour.goals.items():
+            _look(f"goal '{title}' of behaviour '{name}'", goal.view, state)
     for name, goal in task.goals().items():
         _look(f"goal '{name}'", goal.view, state)
     for name, site in task.sites().items():

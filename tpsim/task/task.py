@@ -11,6 +11,7 @@ import numpy as np
 
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError, SimulationError
+from tpsim.learning.low_pass import low_pass
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.robot.views.observe import observe
 from tpsim.robot.views.view import View
@@ -57,6 +58,29 @@ class Situation:
 
 
 @dataclass(frozen=True)
+class Goal:
+    """What counts as done well at a moment: a view that is to be near zero.
+
+    Parameters
+    ----------
+    view : View
+    within : float
+        Norm of the view up to which all is well, in its SI unit.
+    since, until : float
+        When it counts [s]; of a demonstration, negative times are those before its end.
+    """
+
+    view: View
+    within: float
+    since: float = 0.0
+    until: float = np.inf
+
+    def __post_init__(self) -> None:
+        if not self.within > 0:
+            raise ArgumentError(f"goal within is {self.within}; it must be positive")
+
+
+@dataclass(frozen=True)
 class Behaviour:
     """Something that is taught apart and learned as one model.
 
@@ -70,34 +94,19 @@ class Behaviour:
     fit : callable
         Learns a TP-GMM from demonstrations whose observations are the views' values along the
         movement (``data`` is q); one Gaussian in every frame by default.
+    goals : mapping of str to Goal
+        What the teacher cares about, by name: a demonstration that misses one is refused. None
+        by default: whatever was led without accident is learned from.
+    cutoff : float, optional
+        Frequency [Hz] up to which movements are learned from, :func:`~tpsim.learning.low_pass`;
+        above the tremor of people's hands nothing is left. All frequencies by default.
     """
 
     views: Mapping[str, View]
     teacher: Teacher
     fit: Fit = field(default=partial(fit_tp_gmm, components=1))
-
-
-@dataclass(frozen=True)
-class Goal:
-    """What counts as done well at a moment: a view that is to be near zero.
-
-    Parameters
-    ----------
-    view : View
-    within : float
-        Norm of the view up to which all is well, in its SI unit.
-    since, until : float
-        When it counts [s].
-    """
-
-    view: View
-    within: float
-    since: float = 0.0
-    until: float = np.inf
-
-    def __post_init__(self) -> None:
-        if not self.within > 0:
-            raise ArgumentError(f"goal within is {self.within}; it must be positive")
+    goals: Mapping[str, Goal] = field(default_factory=dict)
+    cutoff: float | None = None
 
 
 class Task(ABC):
@@ -208,14 +217,16 @@ def draw_situation(
     )
 
 
-def demonstration(world: World, trial: Trial, views: Mapping[str, View]) -> Demonstration:
-    """One taught trial as it is seen in every view.
+def demonstration(
+    world: World, trial: Trial, views: Mapping[str, View], cutoff: float | None = None
+) -> Demonstration:
+    """One taught trial as it is seen in every view, up to a frequency [Hz] where one is given.
 
     Returns
     -------
     Demonstration
         ``data`` is q (T, n), ``observations`` holds every view's value (T, d_j).
     """
-    q = trial["q"]
+    q = trial["q"] if cutoff is None else low_pass(trial.time, trial["q"], cutoff)
     seen = observe(world.robot, list(views.values()), q, trial.objects)
     return Demonstration(trial.time, q, observations=tuple(seen))

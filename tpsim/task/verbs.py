@@ -1,9 +1,12 @@
 """What is done with a task: teach, learn, perform."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 
 from tpsim.errors import ArgumentError
 from tpsim.learning.tp_gmm import TPGMM
+from tpsim.task.acceptance import refusal
 from tpsim.task.check import check
 from tpsim.task.relevance import with_relevance
 from tpsim.task.task import Models, Situation, Task, demonstration
@@ -11,6 +14,7 @@ from tpsim.world.episode import Person
 from tpsim.world.impedance import Controller
 from tpsim.world.plant import NOMINAL, Plant
 from tpsim.world.rollout import rollout
+from tpsim.world.teaching import Shown
 from tpsim.world.teaching import teach as teach_lessons
 from tpsim.world.trial import Trial
 
@@ -27,6 +31,9 @@ def teach(
 ) -> dict[str, list[Trial]]:
     """Teach the behaviours of a task on the weightless robot.
 
+    Demonstrations that miss a behaviour's goals are refused and shown again, as are those in
+    which something went wrong.
+
     Parameters
     ----------
     task : Task
@@ -36,13 +43,25 @@ def teach(
     behaviours : sequence of str, optional
         All by default.
     progress : callable, optional
-        Told behaviour, attempt and outcome.
+        Told behaviour, attempt and how it ended: ``"done"``, or why it was refused.
 
     Raises
     ------
     SimulationError
         If too many demonstrations are useless.
     """
+    shown = show_all(task, count, seed, behaviours, progress)
+    return {name: list(found.trials) for name, found in shown.items()}
+
+
+def show_all(
+    task: Task,
+    count: int | None = None,
+    seed: int = 0,
+    behaviours: Sequence[str] | None = None,
+    progress: Callable[[str, int, str], None] | None = None,
+) -> dict[str, Shown]:
+    """As :func:`teach`, with how many attempts were refused, and why."""
     check(task)
     found = task.behaviours()
     taught = {}
@@ -54,9 +73,11 @@ def teach(
             task.demonstrations if count is None else count,
             seed=seed,
             sites=task.sites(),
+            judge=partial(refusal, task.stage.robot, goals=found[name].goals),
             progress=tell,
         )
-        taught[name] = [trial.with_about(behaviour=name) for trial in shown]
+        trials = tuple(trial.with_about(behaviour=name) for trial in shown.trials)
+        taught[name] = replace(shown, trials=trials)
     return taught
 
 
@@ -76,7 +97,10 @@ def learn(task: Task, taught: Taught) -> dict[str, TPGMM]:
     for name, behaviour in task.behaviours().items():
         if not taught.get(name):
             raise ArgumentError(f"there are no demonstrations of '{name}'; teach it first")
-        seen = [demonstration(task.stage, trial, behaviour.views) for trial in taught[name]]
+        seen = [
+            demonstration(task.stage, trial, behaviour.views, behaviour.cutoff)
+            for trial in taught[name]
+        ]
         models[name] = behaviour.fit(seen)
     views = {name: behaviour.views for name, behaviour in task.behaviours().items()}
     return with_relevance(task.stage.robot, models, views, taught)

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,11 +19,54 @@ from tpsim.world.world import World
 LIMIT_MARGIN = 0.05
 """Distance to a joint limit [rad] at which a demonstration counts as having hit it."""
 
+AT_ITS_STRENGTH = 0.1
+"""Share of a demonstration for which a teacher may pull as hard as its grip allows."""
+
 ATTEMPTS = 10
 """Demonstrations tried for each one wanted, before teaching gives up."""
 
 Teacher = Callable[[World, np.random.Generator], "Lesson"]
 """Draws a lesson: what a person is about to show once."""
+
+
+class Refusal(NamedTuple):
+    """Why a demonstration is not learned from.
+
+    Parameters
+    ----------
+    reason : str
+        By which refusals are counted, such as ``"tilt"``.
+    words : str
+        All that there is to say, such as ``"tilt 37 deg, 5 allowed"``.
+    """
+
+    reason: str
+    words: str
+
+
+Judge = Callable[[Trial], Refusal | None]
+"""Says whether a demonstration that went well shows what it is to show."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What came of teaching.
+
+    Parameters
+    ----------
+    trials : tuple of Trial
+        The good demonstrations.
+    refusals : mapping of str to int
+        How many attempts were refused, by reason.
+    """
+
+    trials: tuple[Trial, ...]
+    refusals: Mapping[str, int]
+
+    @property
+    def attempts(self) -> int:
+        """Good and refused."""
+        return len(self.trials) + sum(self.refusals.values())
 
 
 @dataclass(frozen=True)
@@ -54,8 +98,14 @@ def demonstrate(world: World, lesson: Lesson, sites: Mapping[str, str] | None = 
     """Show one lesson on the weightless robot and record it.
 
     The outcome is ``"done"``, or why the demonstration is useless: ``"joint limit"``,
-    ``"saturated"``, ``"too fast"``, ``"contact"``, ``"diverged"``.
+    ``"saturated"``, ``"too fast"``, ``"at its strength"``, ``"contact"``, ``"diverged"``.
     """
+    return _demonstrate(world, lesson, sites)[0]
+
+
+def _demonstrate(
+    world: World, lesson: Lesson, sites: Mapping[str, str] | None
+) -> tuple[Trial, Refusal | None]:
     robot = world.robot
     trial = rollout(
         world,
@@ -66,20 +116,37 @@ def demonstrate(world: World, lesson: Lesson, sites: Mapping[str, str] | None = 
         people=lesson.guides,
         objects=lesson.objects,
     )
-    return trial.with_about(_verdict(robot, trial))
+    refusal = _refusal(robot, trial, lesson)
+    if trial.outcome == "done" and refusal is not None:
+        trial = trial.with_about(refusal.reason)
+    return trial, refusal
 
 
-def _verdict(robot: Robot, trial: Trial) -> str:
-    q = trial["q"]
+def _refusal(robot: Robot, trial: Trial, lesson: Lesson) -> Refusal | None:
+    q, reason = trial["q"], ""
     if trial.outcome != "done":
-        return trial.outcome
-    if min((q - robot.lower).min(), (robot.upper - q).min()) < LIMIT_MARGIN:
-        return "joint limit"
-    if trial["saturated_steps"][-1]:
-        return "saturated"
-    if (np.abs(trial["dq"]) > robot.velocity_limit).any():
-        return "too fast"
-    return "done"
+        reason = f"contact of {trial.touched}" if trial.touched else trial.outcome
+    elif min((q - robot.lower).min(), (robot.upper - q).min()) < LIMIT_MARGIN:
+        reason = "joint limit"
+    elif trial["saturated_steps"][-1]:
+        reason = "saturated"
+    elif (np.abs(trial["dq"]) > robot.velocity_limit).any():
+        reason = "too fast"
+    if reason:
+        return Refusal(reason, reason)
+    share = strained(trial, lesson)
+    if share > AT_ITS_STRENGTH:
+        reason, allowed = "at its strength", 100 * AT_ITS_STRENGTH
+        return Refusal(
+            reason, f"teacher {reason} {100 * share:.0f} % of the time, {allowed:g} allowed"
+        )
+    return None
+
+
+def strained(trial: Trial, lesson: Lesson) -> float:
+    """Largest share of a demonstration for which one of its hands gave all of its strength."""
+    shares = [guide.grip.spends(trial[f"{guide.name}_wrench"]).mean() for guide in lesson.guides]
+    return float(max(shares, default=0.0))
 
 
 def show(
@@ -91,9 +158,15 @@ def show(
     sites: Mapping[str, str] | None = None,
 ) -> Trial:
     """Attempt ``attempt`` of a seed: draws from ``SeedSequence(seed, spawn_key=(attempt,))``."""
+    return _show(world, teacher, attempt, seed, sites)[0]
+
+
+def _show(
+    world: World, teacher: Teacher, attempt: int, seed: int, sites: Mapping[str, str] | None
+) -> tuple[Trial, Refusal | None]:
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(attempt,)))
-    trial = demonstrate(world, teacher(world, rng), sites)
-    return trial.with_about(seed=seed, attempt=attempt)
+    trial, refusal = _demonstrate(world, teacher(world, rng), sites)
+    return trial.with_about(seed=seed, attempt=attempt), refusal
 
 
 def teach(
@@ -103,8 +176,9 @@ def teach(
     *,
     seed: int,
     sites: Mapping[str, str] | None = None,
+    judge: Judge | None = None,
     progress: Callable[[int, str], None] | None = None,
-) -> list[Trial]:
+) -> Shown:
     """Teach until ``count`` demonstrations are good; those that are not are shown again.
 
     Any attempt can be repeated alone by :func:`show`.
@@ -119,42 +193,39 @@ def teach(
     seed : int
     sites : mapping of str to str, optional
         Sites to record, by name; the hands by default.
+    judge : callable, optional
+        Refuses demonstrations that do not show what they are to show; none by default.
     progress : callable, optional
-        Told the attempt's number and its outcome.
-
-    Returns
-    -------
-    list of Trial
-        ``about`` holds the attempt's number, and how the attempts before it ended.
+        Told the attempt's number and how it ended: ``"done"``, or why it was refused.
 
     Raises
     ------
     SimulationError
-        If too many demonstrations in a row are useless.
+        If too many demonstrations are useless.
     """
     if count < 1:
         raise ArgumentError(f"{count} demonstrations were asked for; ask for at least 1")
     trials: list[Trial] = []
-    failures: Counter[str] = Counter()
+    refusals: Counter[str] = Counter()
     last = ""
     for attempt in range(ATTEMPTS * count):
         try:
-            trial = show(world, teacher, attempt, seed=seed, sites=sites)
+            trial, refusal = _show(world, teacher, attempt, seed, sites)
+            if refusal is None and judge is not None:
+                refusal = judge(trial)
         except SimulationError as error:
-            outcome = "unreachable"
-            failures[outcome], last = failures[outcome] + 1, f"; the last error: {error}"
+            refusal = Refusal("unreachable", f"unreachable: {error}")
+        if refusal is None:
+            trials.append(trial)
         else:
-            outcome = trial.outcome
-            if outcome == "done":
-                trials.append(trial)
-            else:
-                failures[f"contact of {trial.touched}" if trial.touched else outcome] += 1
+            refusals[refusal.reason] += 1
+            last = refusal.words
         if progress is not None:
-            progress(attempt, outcome)
+            progress(attempt, "done" if refusal is None else refusal.words)
         if len(trials) == count:
-            return trials
+            return Shown(tuple(trials), dict(refusals))
     raise SimulationError(
         f"only {len(trials)} of {count} demonstrations were good; the others: "
-        + ", ".join(f"{times} {why}" for why, times in failures.most_common(3))
-        + last
+        + ", ".join(f"{times} {why}" for why, times in refusals.most_common(3))
+        + f"; the last one: {last}"
     )

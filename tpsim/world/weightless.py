@@ -8,6 +8,9 @@ from tpsim.robot.state import State
 HOLD = 400.0
 """Stiffness [1/s^2] of joints that are not taught, times inertia; critically damped."""
 
+DAMPING = 0.5
+"""Of every joint [Nms/rad]: without it the elbow swings."""
+
 
 class Weightless:
     """Gravity torque, light damping and no stiffness: arms that can be led by hand.
@@ -27,7 +30,7 @@ class Weightless:
         self,
         robot: Robot,
         *,
-        damping: float = 0.5,
+        damping: float = DAMPING,
         held: tuple[str, ...] = (),
         posture: np.ndarray | None = None,
     ):

@@ -24,7 +24,7 @@ def models(cup_world):
     task = replace(TASK)
     task.__dict__["stage"] = cup_world  # made once for all tests
     careless = partial(cup.lesson, workspace=Workspace(tilt=0.25), level=0.0)
-    by_height = teach(cup_world, careless, 3, seed=0, sites={})
+    by_height = teach(cup_world, careless, 3, seed=0, sites={}).trials
     return {
         "level": learn(task, read_demonstrations(task))["cup"],
         "height": learn(task, {"cup": by_height})["cup"],

@@ -5,7 +5,10 @@ import numpy as np
 from tpsim.pose import Pose
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Site
+from tpsim.task.task import Goal
 from tpsim.tasks.cup_and_sugar.hands import Hands, Workspace
+from tpsim.world.people.care import Care
+from tpsim.world.people.demonstrator import TeacherName
 from tpsim.world.teaching import Lesson
 from tpsim.world.world import World
 
@@ -21,11 +24,17 @@ redundancy (Eq. 42)."""
 LEVEL = CUP.axis("z", reference=np.eye(3))
 """Tilt: angles of the cup's axis from the vertical [rad]."""
 
+GOALS = {"tilt": Goal(LEVEL, float(np.radians(5.0)))}
+"""What the teacher keeps to."""
+
+TILT, HEIGHT = Care(rotation=(1, 1, 0)), Care(position=(0, 0, 1))
+"""What the teacher sees to: the cup is level; or, one who cares about another thing, its height."""
+
 TAUGHT = Workspace()
 """Where the teacher carries the cup: position and yaw vary freely, tilt does not."""
 
-SECONDS = (6.0, 8.0)
-"""A demonstration lasts a time drawn from this range [s]."""
+SECONDS = {"firm": (6.0, 8.0), "human": (10.0, 14.0)}
+"""A demonstration lasts a time drawn from this range [s]: people take their time."""
 
 VIAS = 4
 """Poses that the hand passes after the first one."""
@@ -63,9 +72,10 @@ def lesson(
     workspace: Workspace = TAUGHT,
     *,
     level: float | None = None,
+    teacher: TeacherName = "firm",
 ) -> Lesson:
     """Draw one demonstration: the left hand is led, the right one waits aside."""
-    hands = Hands(world)
+    hands = Hands(world, teacher)
     rotations, positions = via_poses(hands, rng, workspace, level=level)
     R_sugar, p_sugar = hands.sugar
     start = hands.reach(
@@ -74,8 +84,9 @@ def lesson(
         cup=Pose(rotations[0], positions[0]),
         sugar=Pose(R_sugar, p_sugar + ASIDE),
     )
-    seconds = rng.uniform(*SECONDS)
-    guide = hands.guide("cup", rotations, positions, seconds, rng)
+    seconds = rng.uniform(*SECONDS[teacher])
+    care = TILT if level is None else HEIGHT
+    guide = hands.guide("cup", rotations, positions, seconds, rng, care=care)
     return Lesson(start, (guide,), seconds, held=hands.right)
 
 

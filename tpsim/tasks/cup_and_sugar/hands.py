@@ -6,16 +6,21 @@ import numpy as np
 
 from tpsim import rotation
 from tpsim.pose import Pose
+from tpsim.world.people.care import Care
+from tpsim.world.people.demonstrator import FIRM, HUMAN, Demonstrator, TeacherName
 from tpsim.world.people.guide import Grip, Guide
 from tpsim.world.people.script import Variation, script
 from tpsim.world.reach import reach
 from tpsim.world.world import World
 
-LEADING = Grip(), Variation()
-"""A hand that leads an arm through the workspace."""
+LEADING = {"firm": FIRM, "human": HUMAN}
+"""Who leads an arm through the workspace."""
 
-WATCHING = Grip(5000.0, 200.0), Variation(drift=0.001, tremor=0.0004)
-"""A hand that keeps one object at its place by another, watching: firmer and finer."""
+WATCHING = {
+    "firm": Demonstrator(Grip(5000.0, 200.0), Variation(drift=0.001, tremor=0.0004)),
+    "human": HUMAN,
+}
+"""Who keeps one object at its place by another, watching; firm hands are firmer then, and finer."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +63,8 @@ class Hands:
     Parameters
     ----------
     world : World
+    teacher : str
+        Whose hands lead them.
 
     Attributes
     ----------
@@ -69,7 +76,8 @@ class Hands:
         Joints of each arm.
     """
 
-    def __init__(self, world: World):
+    def __init__(self, world: World, teacher: TeacherName = "firm"):
+        self._teacher = teacher
         self._world, robot = world, world.robot
         home = robot.at_home
         self.cup, self.sugar = home.pose("cup"), home.pose("sugar")
@@ -102,6 +110,7 @@ class Hands:
         seconds: float,
         rng: np.random.Generator,
         *,
+        care: Care = Care(),  # noqa: B008 - a frozen value
         relative_to: str | None = None,
     ) -> Guide:
         """A person's hand on the gripper that leads what it holds along via poses.
@@ -114,12 +123,23 @@ class Hands:
             Via poses of the held object [m], in the world or in the site ``relative_to``.
         seconds : float
             Time from the first to the last [s].
+        care : Care
+            What the person sees to while leading.
         """
         side, (R_grasp, p_grasp) = self._grasp[held]
         # From the object's pose to that of the gripper that holds it.
         rotations = np.asarray(rotations) @ R_grasp.T
         positions = np.asarray(positions) - rotations @ p_grasp
         timestep = self._world.timestep
-        grip, variation = LEADING if relative_to is None else WATCHING
-        path = script(rotations, positions, seconds, timestep, rng, variation)
-        return Guide(f"{side}_guide", f"{side}_gripper", grip, path, relative_to)
+        who = (LEADING if relative_to is None else WATCHING)[self._teacher]
+        (sight,) = who.sights(rng)
+        path = script(rotations, positions, seconds, timestep, rng, who.variation, care)
+        return Guide(
+            f"{side}_guide",
+            f"{side}_gripper",
+            who.grip,
+            path,
+            relative_to,
+            sight=sight,
+            care=care,
+        )

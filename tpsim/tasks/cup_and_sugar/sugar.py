@@ -5,8 +5,11 @@ import numpy as np
 from tpsim.pose import Pose
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Site
+from tpsim.task.task import Goal
 from tpsim.tasks.cup_and_sugar import cup
 from tpsim.tasks.cup_and_sugar.hands import Hands, Workspace
+from tpsim.world.people.care import Care
+from tpsim.world.people.demonstrator import TeacherName
 from tpsim.world.teaching import Lesson
 from tpsim.world.world import World
 
@@ -31,18 +34,33 @@ GRIP = Workspace(position=(0.0, 0.0, 0.0), yaw=0.5, tilt=0.25)
 """How the teacher turns the sugar about its place: freely."""
 
 
-def lesson(world: World, rng: np.random.Generator, workspace: Workspace = TAUGHT) -> Lesson:
+PLACE = Care(position=(1, 1, 1))
+"""What the teacher sees to: where the sugar is above the cup, however it is turned."""
+
+
+def goals(place: np.ndarray) -> dict[str, Goal]:
+    """What the teacher keeps to: the sugar at its place (3,) above the cup [m]."""
+    return {"offset": Goal(ABOVE.position.minus(place), 0.015)}
+
+
+def lesson(
+    world: World,
+    rng: np.random.Generator,
+    workspace: Workspace = TAUGHT,
+    *,
+    teacher: TeacherName = "firm",
+) -> Lesson:
     """Draw one demonstration: both hands are led, the right one watches the cup."""
-    hands = Hands(world)
+    hands = Hands(world, teacher)
     rotations, positions = cup.via_poses(hands, rng, workspace)
     R_above, p_above = hands.above
     turned = np.array([GRIP.turn(rng) @ R_above for _ in positions])
     places = np.tile(p_above, (len(positions), 1))
     first = Pose(rotations[0], positions[0])
     start = hands.reach(rng, workspace.elbow, cup=first, sugar=first @ Pose(turned[0], p_above))
-    seconds = rng.uniform(*cup.SECONDS)
+    seconds = rng.uniform(*cup.SECONDS[teacher])
     left = hands.guide("cup", rotations, positions, seconds, rng)
-    right = hands.guide("sugar", turned, places, seconds, rng, relative_to="cup")
+    right = hands.guide("sugar", turned, places, seconds, rng, care=PLACE, relative_to="cup")
     return Lesson(start, (left, right), seconds)
 
 

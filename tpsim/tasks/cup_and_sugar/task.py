@@ -19,6 +19,8 @@ from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
 from tpsim.tasks.cup_and_sugar import cup, sugar
 from tpsim.tasks.cup_and_sugar.hands import Hands
 from tpsim.tasks.robots import CAMERAS, FLOOR, TABLE, baxter
+from tpsim.world.people.demonstrator import CUTOFF, TeacherName
+from tpsim.world.rehearsal import considered
 from tpsim.world.world import World
 
 HOME = (
@@ -53,6 +55,8 @@ class CupAndSugar(Task):
         Gaussians of each behaviour.
     hold : float
         Standard deviation [rad] with which joints that no behaviour was taught hold their start.
+    teacher : str
+        Whose hands show it: ``"human"``, as measured in people, or ``"firm"``, firmer and finer.
     """
 
     taught: tuple[Literal["cup", "sugar"], ...] = ("cup", "sugar")
@@ -60,6 +64,7 @@ class CupAndSugar(Task):
     friction: float = 180.0
     components: int = 1
     hold: float = 0.1
+    teacher: TeacherName = "firm"
 
     duration: ClassVar[float] = 6.0
 
@@ -81,7 +86,17 @@ class CupAndSugar(Task):
     def behaviours(self) -> Mapping[str, Behaviour]:
         """Candidate frames and teachers."""
         fit = partial(fit_tp_gmm, components=self.components)
-        return {n: Behaviour(_ROOMS[n].VIEWS, _ROOMS[n].lesson, fit) for n in self.taught}
+        goals = {"cup": cup.GOALS, "sugar": sugar.goals(Hands(self.stage).above.position)}
+        return {
+            name: Behaviour(
+                _ROOMS[name].VIEWS,
+                considered(partial(_ROOMS[name].lesson, teacher=self.teacher), self.teacher),
+                fit,
+                goals[name],
+                CUTOFF[self.teacher],
+            )
+            for name in self.taught
+        }
 
     def situation(self, world: World, rng: np.random.Generator) -> Situation:
         """Draw a start posture: level cup, and sugar above it where that was taught."""
@@ -102,9 +117,8 @@ class CupAndSugar(Task):
 
     def goals(self) -> dict[str, Goal]:
         """A level cup, and the sugar at its place above it."""
-        place = Hands(self.stage).above.position
-        goals = {
-            "cup": Goal(cup.LEVEL, float(np.radians(5.0))),
-            "sugar": Goal(sugar.ABOVE.position.minus(place), 0.015),
+        return {
+            name: goal
+            for name, behaviour in self.behaviours().items()
+            for goal in behaviour.goals.values()
         }
-        return {name: goals[name] for name in self.taught}

@@ -11,6 +11,7 @@ from tpsim.robot.views.sites import Object, Site
 from tpsim.robot.views.view import View
 from tpsim.scene.compose import Held, Placed, world
 from tpsim.tasks.robots import CAMERAS, FLOOR, TABLE, baxter, on_the_floor, planar3
+from tpsim.world.people.care import EVERYTHING, Care
 from tpsim.world.world import World
 
 OBJECTS = ("first", "second")
@@ -45,6 +46,8 @@ class Pointer:
         Draws the position (3,) [m] of an object by a generator.
     camera : str
         From where a film shows it best.
+    seen_to : Care
+        What a person who points with it sees to: all that the arm can do.
     """
 
     world: Callable[[], World]
@@ -55,6 +58,7 @@ class Pointer:
     sites: Mapping[str, str]
     place: Callable[[np.random.Generator], np.ndarray]
     camera: str
+    seen_to: Care = EVERYTHING
 
     def bearing(self, name: str) -> Bearing:
         """Direction towards an object, zero while the arm points at it, Eq. (41)."""
@@ -120,6 +124,7 @@ PLANAR = Pointer(
     sites={"tip": "tip", "elbow": "joint2", "wrist": "joint3"},
     place=_before_the_arm,
     camera="hero",
+    seen_to=Care((1, 1, 0), (0, 0, 1)),
 )
 """The planar arm of three links."""
 

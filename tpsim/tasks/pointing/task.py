@@ -22,10 +22,15 @@ from tpsim.robot.views.joints import Joints
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
 from tpsim.tasks.pointing.pointers import BAXTER, OBJECTS, PLANAR, Pointer
 from tpsim.tasks.pointing.teacher import PHASES, SCHEDULE, PointingTeacher
+from tpsim.world.people.demonstrator import CUTOFF, TeacherName
 from tpsim.world.world import World
 
 POINTED, RESTED = float(np.radians(1.5)), 0.1
 """Angles [rad] up to which the arm points at an object, and up to which it is at rest."""
+
+SHOWN, HELD = float(np.radians(4.0)), 0.25
+"""Angle [rad] up to which the teacher points well, and how long after and before the phases [s]:
+its timing varies."""
 
 _POINTERS = {"planar3": PLANAR, "baxter": BAXTER}
 
@@ -54,6 +59,8 @@ class Pointing(Task):
         Standard deviation of the posture that the teacher prefers while pointing [rad].
     hurry : float
         Standard deviation of the teacher's timing [s].
+    teacher : str
+        Whose hands show it: ``"human"``, as measured in people, or ``"firm"``, firmer and finer.
     """
 
     robot: Literal["planar3", "baxter"] = "planar3"
@@ -64,6 +71,7 @@ class Pointing(Task):
     restless: float = 0.02
     bent: float = 0.06
     hurry: float = 0.05
+    teacher: TeacherName = "firm"
 
     duration: ClassVar[float] = SCHEDULE[-1]
 
@@ -78,9 +86,9 @@ class Pointing(Task):
         return _POINTERS[self.robot]
 
     @property
-    def teacher(self) -> PointingTeacher:
+    def shown_by(self) -> PointingTeacher:
         """Who shows it."""
-        return PointingTeacher(self.pointer, self.restless, self.bent, self.hurry)
+        return PointingTeacher(self.pointer, self.restless, self.bent, self.hurry, self.teacher)
 
     def world(self) -> World:
         """The robot and its two objects."""
@@ -93,11 +101,21 @@ class Pointing(Task):
     def behaviours(self) -> Mapping[str, Behaviour]:
         """Candidate frames over time, and the teacher."""
         fit = partial(fit_over_time, components=self.components, factors=self.factors)
-        return {self.name: Behaviour(self.pointer.views, self.teacher, fit)}
+        goals = {
+            f"bearing of {name}": Goal(
+                self.pointer.bearing(name), SHOWN, since + HELD, until - HELD
+            )
+            for name, (since, until) in PHASES.items()
+        }
+        return {
+            self.name: Behaviour(
+                self.pointer.views, self.shown_by, fit, goals, CUTOFF[self.teacher]
+            )
+        }
 
     def situation(self, world: World, rng: np.random.Generator) -> Situation:
         """Draw a start near rest, and objects that the teacher could point at."""
-        teacher = self.teacher
+        teacher = self.shown_by
         start, objects = teacher.rest(world, rng), teacher.objects(world, rng)
         for path in objects:
             if not world.robot.is_comfortable(teacher.aim(world, path, rng)):

@@ -1,13 +1,15 @@
 """The teacher of pointing: leads an arm to point at one object, at another, and back to rest."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tpsim.robot.objects import Objects
 from tpsim.tasks.pointing.pointers import Pointer
 from tpsim.world.object_path import ObjectPath
-from tpsim.world.people.guide import Grip, Guide
+from tpsim.world.people.care import Care
+from tpsim.world.people.demonstrator import HUMAN, Demonstrator, TeacherName
+from tpsim.world.people.guide import Guide
 from tpsim.world.people.posture_script import hand_path, through
 from tpsim.world.people.script import Variation
 from tpsim.world.reach import satisfy
@@ -23,8 +25,16 @@ PHASES = {"first": (2.0, 4.0), "second": (5.5, 7.5)}
 APPROACH = 1.5
 """How long the teacher takes to turn to an object [s]."""
 
-STEADY = Variation(drift=0.0012, tremor=0.0004, angular_drift=0.006, angular_tremor=0.002)
-"""How the hand of a person strays who looks closely where the arm points."""
+AIMING = {
+    "firm": Demonstrator(
+        variation=Variation(drift=0.0012, tremor=0.0004, angular_drift=0.006, angular_tremor=0.002)
+    ),
+    "human": HUMAN,
+}
+"""Who looks closely where the arm points; firm hands are as steady all the while."""
+
+SETTLING = 0.5
+"""Time [s] over which the teacher begins to see to where the arm points, and ceases to."""
 
 
 @dataclass(frozen=True)
@@ -39,12 +49,15 @@ class PointingTeacher:
         [rad].
     hurry : float
         Standard deviation of the teacher's timing [s].
+    teacher : str
+        Whose hands lead the arm.
     """
 
     pointer: Pointer
     restless: float
     bent: float
     hurry: float
+    teacher: TeacherName = "firm"
 
     def __call__(self, world: World, rng: np.random.Generator) -> Lesson:
         """Draw objects, and how a person leads the arm to point at them in turn."""
@@ -55,18 +68,32 @@ class PointingTeacher:
         times = np.array(SCHEDULE)
         times[1:-1] += self.hurry * rng.standard_normal(len(times) - 2)
         postures = through(times, [start, start, first, first, second, second, end, end], h)
+        care, who = self._care(times, h * np.arange(1, len(postures) + 1)), AIMING[self.teacher]
+        (sight,) = who.sights(rng)
         guides = tuple(
             Guide(
                 f"{site}_guide",
                 site,
-                Grip() if turns else Grip(angular_stiffness=0.0, angular_damping=0.0),
-                hand_path(robot, site, postures, h, rng, STEADY),
+                who.grip if turns else replace(who.grip, angular_stiffness=0, angular_damping=0),
+                hand_path(robot, site, postures, h, rng, who.variation, care if turns else None),
+                # One looks at what points, not at the elbow.
+                sight=sight if turns else None,
+                care=care,
             )
             for site, turns in self.pointer.grips.items()
         )
         taught = robot.index(self.pointer.joints)
         held = tuple(joint for i, joint in enumerate(robot.joints) if i not in taught)
         return Lesson(start, guides, SCHEDULE[-1], held, objects)
+
+    def _care(self, times: np.ndarray, clock: np.ndarray) -> Care:
+        """Where the arm points matters while it points, not on the way."""
+        (since, until), (again, end) = times[2:4], times[4:6]
+        knots = [since - SETTLING, since, until, until + SETTLING]
+        knots += [again - SETTLING, again, end, end + SETTLING]
+        matters = np.interp(clock, knots, [0, 1, 1, 0, 0, 1, 1, 0])[:, None]
+        seen_to = self.pointer.seen_to
+        return Care(matters * np.array(seen_to.position), matters * np.array(seen_to.rotation))
 
     def objects(self, world: World, rng: np.random.Generator) -> tuple[ObjectPath, ...]:
         """Objects at rest, well apart as seen from the resting arm."""

@@ -26,6 +26,7 @@ from tpsim.tasks.robots import on_the_floor, planar5
 from tpsim.tasks.tracking.body import SIDES, TEACHINGS, Body, Teaching
 from tpsim.tasks.tracking.carousel import PERIOD, SECONDS, Carousel, paths, points
 from tpsim.tasks.tracking.teacher import TrackingTeacher
+from tpsim.world.people.demonstrator import CUTOFF, TeacherName
 from tpsim.world.world import World
 
 HANDS: Mapping[str, View] = {
@@ -38,6 +39,10 @@ ARMS = ("left_shoulder", "left_elbow", "right_shoulder", "right_elbow")
 
 REACHED = 0.01
 """Distance [m] up to which a hand is at its object."""
+
+
+SHOWN = 0.03
+"""Distance [m] from its object up to which the teacher keeps the hand that comes first."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,8 @@ class Tracking(Task):
         Curvature of a hand's way as its arm stretches [m/rad^2]: the length of one link.
     carousel : Carousel
         How the objects move.
+    teacher : str
+        Whose hands show it: ``"human"``, as measured in people, or ``"firm"``, firmer and finer.
     """
 
     taught: tuple[Teaching, ...] = TEACHINGS
@@ -69,6 +76,7 @@ class Tracking(Task):
     structure: Literal["spherical", "diagonal", "full"] = "spherical"
     bend: float = 0.3
     carousel: Carousel = Carousel()  # noqa: RUF009 - a frozen value
+    teacher: TeacherName = "firm"
 
     duration: ClassVar[float] = SECONDS
 
@@ -97,7 +105,12 @@ class Tracking(Task):
         fit = partial(fit_tp_gmm, components=self.components, covariance=self.structure)
         return {
             behaviour(teaching): Behaviour(
-                self.views(), TrackingTeacher(teaching, self.carousel), fit
+                self.views(),
+                TrackingTeacher(teaching, self.carousel, self.teacher),
+                fit,
+                # Nobody keeps both hands at objects that are too far apart.
+                {side: Goal(view, SHOWN) for side, view in HANDS.items() if side == teaching},
+                CUTOFF[self.teacher],
             )
             for teaching in self.taught
         }

@@ -12,8 +12,10 @@ import numpy as np
 from tpsim import rotation
 from tpsim.pose import Pose
 from tpsim.world.object_path import ObjectPath
-from tpsim.world.people.guide import Grip, Guide, HandPath
-from tpsim.world.people.script import Variation, script
+from tpsim.world.people.care import Care
+from tpsim.world.people.demonstrator import DEMONSTRATORS, TeacherName
+from tpsim.world.people.guide import Guide, HandPath
+from tpsim.world.people.script import script
 from tpsim.world.reach import reach
 from tpsim.world.world import World
 
@@ -122,7 +124,13 @@ def start_posture(world: World, docks: Docks, rng: np.random.Generator) -> np.nd
     return postures[0]
 
 
-def guide(world: World, docks: Docks, seconds: float, rng: np.random.Generator) -> Guide:
+def guide(
+    world: World,
+    docks: Docks,
+    seconds: float,
+    rng: np.random.Generator,
+    teacher: TeacherName = "firm",
+) -> Guide:
     """A teacher's hand on the gripper that carries it from one dock into the other.
 
     ``seconds`` is the time of the way between them; the hand rests before and after it.
@@ -132,8 +140,23 @@ def guide(world: World, docks: Docks, seconds: float, rng: np.random.Generator) 
     moved, turned = np.array(skill).T[..., None]
     positions = positions + moved * rng.standard_normal((4, 3))
     rotations = rotation.exp(turned * rng.standard_normal((4, 3))) @ rotations
-    way = script(rotations, positions, seconds, world.timestep, rng, Variation())
-    return Guide("left_guide", GRIPPER, Grip(), _with_rest(way, round(REST / world.timestep)))
+    who, h = DEMONSTRATORS[teacher], world.timestep
+    (sight,) = who.sights(rng)
+    way = script(rotations, positions, seconds, h, rng, who.variation, _care(round(seconds / h), 0))
+    rest = round(REST / h)
+    care = _care(round(seconds / h), rest)
+    return Guide("left_guide", GRIPPER, who.grip, _with_rest(way, rest), sight=sight, care=care)
+
+
+def _care(steps: int, rest: int) -> Care:
+    """Leaving and entering a dock matters fully in it, and not at all before and after it.
+
+    The poses outside the docks are passed after a third and two thirds of the way, about.
+    """
+    nearer = np.abs(2 * np.arange(steps) / max(steps - 1, 1) - 1)
+    matters = np.pad(np.clip(3 * nearer - 1, 0, 2) / 2, rest, "edge")
+    both = np.repeat(matters[:, None], 3, 1)
+    return Care(both, both)
 
 
 def _with_rest(way: HandPath, steps: int) -> HandPath:

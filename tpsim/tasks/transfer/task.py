@@ -8,6 +8,7 @@ tracked by the LQT of all frames at once over the finite horizon (Eq. 38), where
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -28,6 +29,7 @@ from tpsim.scene.compose import Held, Placed, world
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
 from tpsim.tasks.robots import CAMERAS, FLOOR, TABLE, baxter
 from tpsim.tasks.transfer import docks
+from tpsim.world.people.demonstrator import CUTOFF, TeacherName
 from tpsim.world.teaching import Lesson
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
@@ -64,6 +66,13 @@ VIEWS = {f"{part} from {name}": view for (name, part), view in SEEN.items()} | {
 """Candidate frames: position and orientation from each dock, and the arm's posture."""
 
 
+GOALS = {
+    "position in the second dock": Goal(SEEN["end", "position"], 0.01, since=-0.3),
+    "orientation in the second dock": Goal(SEEN["end", "orientation"], np.radians(5), since=-0.3),
+}
+"""What the teacher keeps to: the hand ends at its place in the second dock [m], [rad]."""
+
+
 @dataclass(frozen=True)
 class Transfer(Task):
     """Carry a sugar cube from the first dock into the second, on Baxter's left arm.
@@ -78,12 +87,15 @@ class Transfer(Task):
         Samples of a demonstration from which the model is learned.
     warp : float
         Share of the movement by which demonstrations may be out of step before they are aligned.
+    teacher : str
+        Whose hands show it: ``"human"``, as measured in people, or ``"firm"``, firmer and finer.
     """
 
     effort: float = 0.05
     components: int = 10
     samples: int = 150
     warp: float = 0.1
+    teacher: TeacherName = "firm"
 
     duration: ClassVar[float] = MOVEMENT + 1.5
     demonstrations: ClassVar[int] = 12
@@ -100,7 +112,8 @@ class Transfer(Task):
 
     def behaviours(self) -> Mapping[str, Behaviour]:
         """One movement, seen from both docks."""
-        return {"transfer": Behaviour(VIEWS, lesson, self._fit)}
+        shown = partial(lesson, teacher=self.teacher)
+        return {"transfer": Behaviour(VIEWS, shown, self._fit, GOALS, CUTOFF[self.teacher])}
 
     def _fit(self, seen: Sequence[Demonstration]) -> TPGMM:
         """A TP-GMM over time and all frames, of demonstrations brought onto one time."""
@@ -162,18 +175,22 @@ _SPOTS = {
 }
 
 
-def lesson(world: World, rng: np.random.Generator) -> Lesson:
+def lesson(world: World, rng: np.random.Generator, teacher: TeacherName = "firm") -> Lesson:
     """Draw docks within the taught range, and how a person carries between them."""
     placed = docks.draw(rng)
-    return lesson_between(world, placed, docks.start_posture(world, placed, rng), rng)
+    return lesson_between(world, placed, docks.start_posture(world, placed, rng), rng, teacher)
 
 
 def lesson_between(
-    world: World, placed: docks.Docks, start: np.ndarray, rng: np.random.Generator
+    world: World,
+    placed: docks.Docks,
+    start: np.ndarray,
+    rng: np.random.Generator,
+    teacher: TeacherName = "firm",
 ) -> Lesson:
     """How a person carries between given docks."""
     seconds = rng.uniform(*docks.SECONDS)
-    guide = docks.guide(world, placed, seconds, rng)
+    guide = docks.guide(world, placed, seconds, rng, teacher)
     held = arm(world.robot, "right")
     return Lesson(start, (guide,), seconds + 2 * docks.REST, held, docks.at_rest(placed))
 

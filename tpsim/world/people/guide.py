@@ -8,6 +8,8 @@ import pinocchio as pin
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.state import State
+from tpsim.world.people.care import EVERYTHING, Care
+from tpsim.world.people.sight import Correction, Moving, Sight, Watched
 from tpsim.world.simulation import Simulation
 
 
@@ -30,6 +32,17 @@ class HandPath:
 
     def __len__(self) -> int:
         return len(self.position)
+
+    def seen_from(self, frame: Moving | None, k: int) -> Moving:
+        """Pose and twist (6,) wanted at step k, of a path in a frame that moves."""
+        R, p, v, w = self.rotation[k], self.position[k], self.velocity[k], self.angular_velocity[k]
+        if frame is not None:
+            (R_other, p_other), moved = frame
+            arm = R_other @ p
+            v = moved[:3] + np.array(pin.skew(moved[3:])) @ arm + R_other @ v
+            w = moved[3:] + R_other @ w
+            R, p = R_other @ R, p_other + arm
+        return Pose(R, p), np.concatenate([v, w])
 
 
 @dataclass(frozen=True)
@@ -82,6 +95,14 @@ class Grip:
                 part *= limit / size
         return wrench
 
+    def spends(self, wrench: np.ndarray) -> np.ndarray:
+        """Whether wrenches (..., 6) take all of its strength (...)."""
+        force, torque = (
+            np.linalg.norm(wrench[..., part], axis=-1) for part in (slice(3), slice(3, 6))
+        )
+        spent: np.ndarray = (force >= 0.999 * self.max_force) & (self.max_force > 0)
+        return spent | ((torque >= 0.999 * self.max_torque) & (self.angular_stiffness > 0))
+
 
 @dataclass(frozen=True)
 class Guide:
@@ -100,6 +121,10 @@ class Guide:
         Site that carries the path's frame: a person who watches one object while moving another.
     start : float
         Time [s] when the hand takes hold; it lets go at the end of the path.
+    sight : Sight, optional
+        How the person sees, late, and corrects; one who knows all at once by default.
+    care : Care
+        What the person corrects, with sight.
     """
 
     name: str
@@ -108,6 +133,8 @@ class Guide:
     path: HandPath
     relative_to: str | None = None
     start: float = 0.0
+    sight: Sight | None = None
+    care: Care = EVERYTHING
 
     def bind(self, simulation: Simulation) -> "BoundGuide":
         """Look up the names in one simulation."""
@@ -123,6 +150,7 @@ class BoundGuide:
         self._body = simulation.attachment(guide.site)[0]
         self._first = round(guide.start / simulation.timestep)
         self.wrench, self.point = np.zeros(6), np.zeros(3)
+        self._eyes = None if guide.sight is None else _Eyes(guide, guide.sight, simulation.timestep)
 
     def act(self, step: int, state: State) -> None:
         """Apply the wrench of this time step."""
@@ -131,19 +159,36 @@ class BoundGuide:
         self.point, self.wrench = pose.position, np.zeros(6)
         if not 0 <= k < len(self._guide.path):
             return
-        wanted = self._wanted(k, state)
-        self.wrench = self._guide.grip.wrench(pose, state.twist(site), *wanted)
+        other = self._guide.relative_to
+        frame = None if other is None else (state.pose(other), state.twist(other))
+        if self._eyes is None:
+            wanted = self._guide.path.seen_from(frame, k)
+        else:
+            wanted = self._eyes.wanted(k, pose, frame)
+        grip = self._guide.grip
+        self.wrench = grip.wrench(pose, state.twist(site), *wanted)
+        if self._eyes is not None:
+            self._eyes.tired = bool(grip.spends(self.wrench))
         self._simulation.apply_wrench(self._body, self.wrench, pose.position)
 
-    def _wanted(self, k: int, state: State) -> tuple[Pose, np.ndarray]:
-        path, other = self._guide.path, self._guide.relative_to
-        R, p = path.rotation[k], path.position[k]
-        v, w = path.velocity[k], path.angular_velocity[k]
-        if other is not None:
-            R_other, p_other = state.pose(other)
-            moved = state.twist(other)
-            arm = R_other @ p
-            v = moved[:3] + np.array(pin.skew(moved[3:])) @ arm + R_other @ v
-            w = moved[3:] + R_other @ w
-            R, p = R_other @ R, p_other + arm
-        return Pose(R, p), np.concatenate([v, w])
+
+class _Eyes:
+    """What a guide does about what it sees: where it expects its object, what it corrects."""
+
+    def __init__(self, guide: Guide, sight: Sight, timestep: float):
+        self._path, self._care = guide.path, guide.care
+        self._watched = Watched(sight.delay, timestep)
+        self._correction = Correction(sight, timestep)
+        self.tired = False
+
+    def wanted(self, k: int, pose: Pose, frame: Moving | None) -> Moving:
+        """Where the hand leads to at step k, with the site at a pose, the object in a frame."""
+        (R_now, p_now), _ = self._path.seen_from(frame, k)
+        base = np.eye(3) if frame is None else frame[0].rotation
+        missing = p_now - pose.position, pin.log3(R_now @ pose.rotation.T)
+        error = np.concatenate([base.T @ part for part in missing])
+        self._correction.act(k, error, self._care.at(k), not self.tired)
+        expected = None if frame is None else self._watched.expect(*frame)
+        (R, p), twist = self._path.seen_from(expected, k)
+        moved, turned = np.split(self._correction.now, 2)
+        return Pose(pin.exp3(base @ turned) @ R, p + base @ moved), twist

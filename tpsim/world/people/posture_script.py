@@ -6,6 +6,7 @@ from tpsim import rotation
 from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
 from tpsim.timeline import rest_to_rest
+from tpsim.world.people.care import Care
 from tpsim.world.people.guide import HandPath
 from tpsim.world.people.script import Variation, wandering
 
@@ -46,8 +47,12 @@ def hand_path(
     timestep: float,
     rng: np.random.Generator,
     variation: Variation,
+    care: Care | None = None,
 ) -> HandPath:
-    """Path of a hand on a site that leads the arm along postures (T, n), wandering as hands do."""
+    """Path of a hand on a site that leads the arm along postures (T, n), wandering as hands do.
+
+    ``care`` says what matters and when, where attention makes the hand steadier.
+    """
     R, p, twist = [], [], []
     for q, dq in zip(postures, np.gradient(postures, timestep, axis=0), strict=True):
         state = robot.at(q, dq)
@@ -58,7 +63,7 @@ def hand_path(
     velocity = np.array(twist)
     steps = len(p)
     fade = np.minimum(timestep / FADE * np.arange(steps), 1.0)[:, None]
-    moved, turned = wandering(steps, timestep, rng, variation)
+    moved, turned = wandering(velocity, timestep, rng, variation, care)
     return HandPath(
         np.array(p) + fade * moved,
         rotation.exp(fade * turned) @ np.array(R),

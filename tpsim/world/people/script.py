@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
-from scipy.signal import lfilter
+from scipy.signal import butter, lfilter, sosfilt
 
 from tpsim import rotation, timeline
 from tpsim.errors import ArgumentError
+from tpsim.world.people.care import Care
 from tpsim.world.people.guide import HandPath
 
 
@@ -27,6 +28,13 @@ class Variation:
         Each segment's share of time is scaled by a factor within 1 -+ pace.
     warp : float
         Smooth time-warp of the phase, as a fraction of one period; monotone below 1.
+    tremor_band : (float, float), optional
+        Frequencies [Hz] of the tremor, instead of a correlation time.
+    speed_noise, angular_speed_noise : float
+        Wandering that comes with movement: deviation of the position per speed [s], and of the
+        orientation per angular speed [s], over the drift's correlation time.
+    attention : float
+        Factor on drift and speed noise where it matters; 1 for a hand equally steady everywhere.
     """
 
     drift: float = 0.002
@@ -37,16 +45,28 @@ class Variation:
     tremor_time: float = 0.1
     pace: float = 0.2
     warp: float = 0.3
+    tremor_band: tuple[float, float] | None = None
+    speed_noise: float = 0.0
+    angular_speed_noise: float = 0.0
+    attention: float = 1.0
 
     def __post_init__(self):
         for name, value in vars(self).items():
+            if name == "tremor_band":
+                continue
             if not np.isfinite(value) or value < 0:
                 raise ArgumentError(f"variation {name} is {value}; give a number of at least 0")
         if self.pace >= 1 or self.warp >= 1:
             raise ArgumentError("variation pace and warp must be below 1, or time runs backwards")
+        if self.attention > 1:
+            raise ArgumentError(f"variation attention is {self.attention}; give 1 at most")
+        if self.tremor_band is not None and not 0 < self.tremor_band[0] < self.tremor_band[1]:
+            raise ArgumentError(
+                f"variation tremor_band is {self.tremor_band} Hz; give two rising frequencies"
+            )
 
 
-def script(rotations, positions, seconds, timestep, rng, variation=None) -> HandPath:
+def script(rotations, positions, seconds, timestep, rng, variation=None, care=None) -> HandPath:
     """Path of a hand through via poses, as a person would move.
 
     The intended movement is the minimum-jerk curve through all via poses (a quintic spline, at
@@ -63,6 +83,8 @@ def script(rotations, positions, seconds, timestep, rng, variation=None) -> Hand
         Of the samples [s].
     rng : numpy.random.Generator
     variation : Variation, optional
+    care : Care, optional
+        What matters, where attention makes the hand steadier; nothing by default.
 
     Returns
     -------
@@ -87,12 +109,13 @@ def script(rotations, positions, seconds, timestep, rng, variation=None) -> Hand
     # omega = left Jacobian of the rotation vector times its rate.
     omega = np.linalg.solve(rotation.left_jacobian_inverse(pose[:, 3:]), velocity[:, 3:, None])
     fade = np.clip(10 * np.minimum(phase, 1 - phase), 0, 1)[:, None]
-    moved, turned = wandering(steps, timestep, rng, variation)
+    twist = np.hstack([velocity[:, :3], omega[..., 0]])
+    moved, turned = wandering(twist, timestep, rng, variation, care)
     return HandPath(
         pose[:, :3] + fade * moved,
         rotation.exp(fade * turned) @ rotation.exp(pose[:, 3:]) @ rotations[0],
-        velocity[:, :3],
-        omega[..., 0],
+        twist[:, :3],
+        twist[:, 3:],
     )
 
 
@@ -120,13 +143,38 @@ def _warped_phase(steps, seconds, warp):
     return phase, rate
 
 
-def wandering(steps: int, timestep: float, rng, variation: Variation):
-    """How a hand strays from its intention: displacements (T, 3) [m] and turns (T, 3) [rad]."""
-    moved = _wander(rng, steps, timestep, variation.drift, variation.drift_time)
-    moved += _wander(rng, steps, timestep, variation.tremor, variation.tremor_time)
-    turned = _wander(rng, steps, timestep, variation.angular_drift, variation.drift_time)
-    turned += _wander(rng, steps, timestep, variation.angular_tremor, variation.tremor_time)
-    return moved, turned
+def wandering(
+    twist: np.ndarray, timestep: float, rng, variation: Variation, care: Care | None = None
+):
+    """How a hand strays from its intention: displacements (T, 3) [m] and turns (T, 3) [rad].
+
+    Parameters
+    ----------
+    twist : (T, 6)
+        Velocity of the intended movement [m/s], [rad/s].
+    timestep : float
+        [s]
+    rng : numpy.random.Generator
+    variation : Variation
+    care : Care, optional
+        Where attention makes the hand steadier; nowhere by default.
+    """
+    v, steps, care = variation, len(twist), care or Care()
+    moved = _wander(rng, steps, timestep, v.drift, v.drift_time)
+    tremor = _tremor(rng, steps, timestep, v.tremor, v)
+    turned = _wander(rng, steps, timestep, v.angular_drift, v.drift_time)
+    shaken = _tremor(rng, steps, timestep, v.angular_tremor, v)
+    for strayed, part, noise in (
+        (moved, twist[:, :3], v.speed_noise),
+        (turned, twist[:, 3:], v.angular_speed_noise),
+    ):
+        if noise:
+            speed = np.linalg.norm(part, axis=1, keepdims=True)
+            strayed += speed * _wander(rng, steps, timestep, noise, v.drift_time)
+    lost = 1 - v.attention
+    moved *= 1 - lost * np.asarray(care.position)
+    turned *= 1 - lost * np.asarray(care.rotation)
+    return moved + tremor, turned + shaken
 
 
 def _wander(rng, steps, timestep, deviation, time):
@@ -138,6 +186,19 @@ def _wander(rng, steps, timestep, deviation, time):
     # Variance of that cascade, for white noise of unit variance.
     gain = (1 - pole) ** 4 * (1 + pole**2) / (1 - pole**2) ** 3
     return deviation / np.sqrt(gain) * noise
+
+
+def _tremor(rng, steps, timestep, deviation, variation):
+    """Tremor (steps, 3): in its band of frequencies where it has one, else fast wandering."""
+    if variation.tremor_band is None:
+        return _wander(rng, steps, timestep, deviation, variation.tremor_time)
+    band = butter(2, variation.tremor_band, "bandpass", fs=1 / timestep, output="sos")
+    # Two seconds ahead, so that the filter has settled.
+    ahead = round(2 / timestep)
+    noise = sosfilt(band, rng.standard_normal((steps + ahead, 3)), axis=0)[ahead:]
+    impulse = np.zeros(ahead)
+    impulse[0] = 1.0
+    return deviation / np.linalg.norm(sosfilt(band, impulse)) * noise
 
 
 def straight(origin, travel, seconds, rest, timestep) -> HandPath:

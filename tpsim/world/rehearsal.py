@@ -1,0 +1,132 @@
+"""Looking ahead: a person leads an arm only where it can go, and sees that before taking hold."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from tpsim.errors import SimulationError
+from tpsim.robot.state import State
+from tpsim.world.people.demonstrator import TeacherName
+from tpsim.world.people.guide import Guide
+from tpsim.world.teaching import Lesson, Teacher
+from tpsim.world.weightless import DAMPING
+from tpsim.world.world import World
+
+DRAWS = 200
+"""Lessons thought of before a person gives up."""
+
+STEP = 0.05
+"""Time between the postures of a rehearsal [s]."""
+
+FOLLOWS = 10.0
+"""How fast a rehearsed hand makes up for what it is behind [1/s]."""
+
+MARGIN = 0.15
+"""Distance from the joint limits [rad] that is kept in rehearsal: elbows will swing."""
+
+BEHIND = (0.01, 0.05)
+"""How far [m], [rad] a hand may stay behind: more says that the arm is stretched or locked."""
+
+EASY = 0.5
+"""Share of the joints' speeds that a person asks."""
+
+LOCKED = 1e-3
+"""Mobility [1/kg], [1/(kg m^2)] below which an arm no longer follows."""
+
+CONTACT_STRIDE = 5
+"""Postures of a rehearsal for each one that is looked at for contact."""
+
+
+@dataclass(frozen=True)
+class Rehearsed:
+    """A teacher who shows only what the arm can follow: lessons are drawn until one is such.
+
+    The weightless arm is followed as it would be led slowly, without physics: joints share a
+    movement by their inertia and damping.
+
+    Parameters
+    ----------
+    teacher : callable
+        Draws lessons.
+    """
+
+    teacher: Teacher
+
+    def __call__(self, world: World, rng: np.random.Generator) -> Lesson:
+        """Draw a lesson that goes well in rehearsal.
+
+        Raises
+        ------
+        SimulationError
+            If none is found in ``DRAWS`` draws; with what was wrong with the last one.
+        """
+        why = ""
+        for _ in range(DRAWS):
+            try:
+                lesson = self.teacher(world, rng)
+            except SimulationError as error:
+                why = str(error)
+                continue
+            why = hindrance(world, lesson)
+            if not why:
+                return lesson
+        raise SimulationError(
+            f"the teacher thought of {DRAWS} lessons and the arm can follow none; the last: {why}"
+        )
+
+
+def hindrance(world: World, lesson: Lesson) -> str:
+    """What keeps the arm from following a lesson; nothing where it can."""
+    robot, simulation = world.robot, world.simulation()
+    taught = np.array([joint not in lesson.held for joint in robot.joints])
+    q, stride = np.array(lesson.start, float), round(STEP / world.timestep)
+    for count, k in enumerate(range(0, round(lesson.duration / world.timestep), stride)):
+        state = robot.at(q)
+        asked = [
+            _asked(guide, state, k * world.timestep, world.timestep) for guide in lesson.guides
+        ]
+        if any(behind for _, _, behind in asked):
+            return "a hand stays behind"
+        J = np.concatenate([rows[:, taught] for rows, _, _ in asked])
+        velocity = np.concatenate([part for _, part, _ in asked])
+        sharing = state.mass[np.ix_(taught, taught)] + DAMPING * np.eye(taught.sum())
+        eased = np.linalg.solve(sharing, J.T)
+        dq = eased @ np.linalg.solve(J @ eased + LOCKED * np.eye(len(J)), velocity)
+        if (np.abs(dq) > EASY * robot.velocity_limit[taught]).any():
+            return "a joint would be too fast"
+        q[taught] += STEP * dq
+        if min((q - robot.lower)[taught].min(), (robot.upper - q)[taught].min()) < MARGIN:
+            return "a joint comes near its limit"
+        if count % CONTACT_STRIDE == 0:
+            simulation.reset(q)
+            if simulation.data.ncon:
+                return f"{simulation.touching} touch"
+    return ""
+
+
+def _asked(
+    guide: Guide, state: State, time: float, timestep: float
+) -> tuple[np.ndarray, np.ndarray, bool]:
+    """What a hand asks at a time [s]: Jacobian (d, n), velocity (d,), and whether it is behind."""
+    k = int(np.clip(round((time - guide.start) / timestep), 0, len(guide.path) - 1))
+    pose, other = state.pose(guide.site), guide.relative_to
+    frame = None if other is None else (state.pose(other), np.zeros(6))
+    (R, p), twist = guide.path.seen_from(frame, k)
+    missing = np.concatenate([p - pose.position, pin.log3(R @ pose.rotation.T)])
+    J = state.jacobian(guide.site)
+    if other is not None:
+        carried = state.jacobian(other)
+        arm = np.array(pin.skew(pose.position - state.pose(other).position))
+        J = J - np.vstack([carried[:3] - arm @ carried[3:], carried[3:]])
+    rows = slice(6 if guide.grip.angular_stiffness else 3)
+    behind = any(
+        np.linalg.norm(part) > most
+        for part, most in zip(np.split(missing, 2)[: rows.stop // 3], BEHIND, strict=False)
+    )
+    return J[rows], (twist + FOLLOWS * missing)[rows], behind
+
+
+def considered(teacher: Teacher, name: TeacherName) -> Teacher:
+    """A teacher as its hands allow: people look ahead, firm hands try."""
+    return Rehearsed(teacher) if name == "human" else teacher

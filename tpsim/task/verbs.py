@@ -10,6 +10,7 @@ from tpsim.world.episode import Person
 from tpsim.world.impedance import Controller
 from tpsim.world.plant import NOMINAL, Plant
 from tpsim.world.rollout import rollout
+from tpsim.world.tank import Tank
 from tpsim.world.teaching import teach as teach_lessons
 from tpsim.world.trial import Trial
 
@@ -89,6 +90,7 @@ def perform(
     people: Sequence[Person] = (),
     duration: float | None = None,
     plant: Plant = NOMINAL,
+    tank: Tank | None = None,
 ) -> Trial:
     """Perform a task once.
 
@@ -105,6 +107,8 @@ def perform(
         [s]; the task's own by default.
     plant : Plant
         How the simulated robot differs from the controller's model.
+    tank : Tank, optional
+        What impedances may put into the robot; the robot's own by default.
     """
     if controller is None:
         controller = task.controller(task.stage, models, situation)
@@ -117,5 +121,6 @@ def perform(
         people=people,
         objects=situation.objects,
         plant=plant,
+        tank=tank,
     )
     return trial.with_about(task.outcome(trial))

@@ -36,9 +36,7 @@ class Log:
         """Return the number of samples."""
         return len(self._states)
 
-    def add(
-        self, torque: np.ndarray, command: Impedance | np.ndarray, energies: Energies
-    ) -> None:
+    def add(self, torque: np.ndarray, command: Impedance | np.ndarray, energies: Energies) -> None:
         """Keep one sample."""
         episode, keep = self._episode, self._samples
         keep["saturated_steps"].append(episode.saturated)

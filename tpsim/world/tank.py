@@ -114,12 +114,20 @@ class Ledger:
         self._every = max(1, round(SETTLED / period))
         # More than the motors can do between two looks.
         self._reserve = self._every * period * float(robot.torque_limit @ speeds(robot))
-        self._owned, self._work = tank.initial, 0.0
-        self._count, self._scarce, self._share = 0, False, 1.0
+        # Of velocity over torque.
+        self._most = np.concatenate((np.full(robot.n, np.inf), robot.torque_limit))
+        self._least = -self._most
+        self._owned, self._work, self._dissipated = tank.initial, 0.0, 0.0
+        self._left, self._scarce, self._share = 1, False, 1.0
         self._height: float | None = None
-        self._x: list[np.ndarray] = []
-        self._torques: list[np.ndarray] = []
-        self._commands: list[Impedance] = []
+        # State and torque of every step since the last look, in turn.
+        self._rows: list[np.ndarray] = []
+        # What work and dampers are summed with; before, with the step at which that ended.
+        n = robot.n
+        self._plain = np.zeros((2, 2 * n * n))
+        self._plain[0] = np.hstack((np.diag(-robot.damping), np.eye(n))).ravel()
+        self._weights = self._plain
+        self._ends: list[tuple[int, np.ndarray]] = []
         self.energies = Energies(0.0, 0.0, 0.0, tank.initial)
 
     def short(self, command: "Impedance", state: State) -> bool:
@@ -150,59 +158,76 @@ class Ledger:
         short : bool
             Whether to look into the books now, whenever the last look was.
         """
-        if self._scarce or short or self._count % self._every == 0:
+        self._left -= 1
+        if self._left <= 0 or self._scarce or short:
             self._settle(command, state, age)
-            self._scarce = self._share < 1.0 or self._owned < self._reserve
             if self._scarce:
                 torque = self._allowed(torque, command, state, age)
+        elif age == 0:
+            self._ends.append((len(self._rows) // 2, self._weights))
+            self._weights = self._weigh(command)
         if guard is not None:
             torque = torque + guard
-        self._count += 1
-        self._x.append(state.x)
-        self._torques.append(torque)
-        self._commands.append(command)
+        self._rows += (state.x, torque)
         return torque
 
     def close(self, state: State) -> None:
         """Enter what was done up to now; what the robot does until the next entry is not ours."""
         self._close(state)
-        self._height, self._count = None, 0
+        self._height, self._left = None, 1
 
     def _close(self, state: State) -> None:
         """Take the work since the last look from what is owned."""
-        robot, n, q = self._robot, self._robot.n, state.q
-        height = robot.potential_energy(q)
-        if not self._x:
-            self._height = height
-            return
-        assert self._height is not None
-        x = np.array([*self._x, state.x])
-        moved, dq = x[1:, :n] - x[:-1, :n], x[:-1, n:]
-        given = np.minimum(np.maximum(self._torques, -robot.torque_limit), robot.torque_limit)
-        work = float(np.vdot(given - robot.damping * dq, moved)) - (height - self._height)
-        first = self._commands[0]
-        if all(command is first for command in self._commands):
-            braking = dq @ first.damping.T
-        else:
-            dampings = np.array([command.damping for command in self._commands])
-            braking = np.einsum("tij,tj->ti", dampings, dq)
-        self._owned -= work
-        self._work += work
-        taken = self.energies.dissipated + float(np.vdot(braking, moved))
-        self.energies = self.energies._replace(dissipated=taken)
-        self._height = height
-        self._x, self._torques, self._commands = [], [], []
+        height = self._robot.potential_energy(state.q)
+        if self._rows:
+            assert self._height is not None
+            work, taken = self._done(state)
+            work -= height - self._height
+            self._owned -= work
+            self._work += work
+            self._dissipated += taken
+        self._height, self._rows = height, []
+
+    def _done(self, state: State) -> tuple[float, float]:
+        """Work of the motors beyond the joints' own damping, and what the dampers took [J]."""
+        n = self._robot.n
+        rows = np.concatenate((*self._rows, state.x, self._most[n:])).reshape(-1, 3 * n)
+        moved = rows[1:, :n] - rows[:-1, :n]
+        did = np.minimum(np.maximum(rows[:-1, n:], self._least), self._most)
+        if not self._ends:
+            work, taken = self._weights.dot((moved.T @ did).ravel()).tolist()
+            return work, taken
+        work, taken = 0.0, 0.0
+        ends = [*self._ends, (len(moved), self._weights)]
+        for (last, weights), first in zip(ends, [0, *(end for end, _ in ends)], strict=False):
+            some = weights.dot((moved[first:last].T @ did[first:last]).ravel()).tolist()
+            work, taken = work + some[0], taken + some[1]
+        return work, taken
+
+    def _weigh(self, command: "Impedance") -> np.ndarray:
+        """Weights (2, n 2n) of way times velocity and torque (n, 2n), in the two sums."""
+        n, weights = self._robot.n, self._plain.copy()
+        weights[1].reshape(n, 2 * n)[:, :n] = command.damping
+        return weights
 
     def _settle(self, command: "Impedance", state: State, age: int) -> None:
+        """Look into the books: what is owned, what the spring holds, what is left."""
         self._close(state)
+        self._ends = []
+        if age == 0:
+            self._weights = self._weigh(command)
+        if self._left <= 0:
+            self._left = self._every
         way = self._way(command, state, age)
         stored = max(0.5 * float(way.dot(command.stiffness.dot(way))), 0.0)
         # What the tank cannot hold is lost.
-        self._owned = min(self._owned, stored + self._size)
+        owned = self._owned = min(self._owned, stored + self._size)
         # Where less than this is owned, the spring pulls less.
-        self._share = 1.0 if stored <= self._owned else max(self._owned, 0.0) / stored
-        stored, taken = self._share * stored, self.energies.dissipated
-        self.energies = Energies(stored, taken, self._work + stored + taken, self._owned - stored)
+        self._share = 1.0 if stored <= owned else max(owned, 0.0) / stored
+        self._scarce = self._share < 1.0 or owned < self._reserve
+        stored *= self._share
+        taken = self._dissipated
+        self.energies = Energies(stored, taken, self._work + stored + taken, owned - stored)
 
     def _way(self, command: "Impedance", state: State, age: int) -> np.ndarray:
         way = command.reference - state.q

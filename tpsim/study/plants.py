@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from tpsim.errors import ArgumentError
+from tpsim.study import series
 from tpsim.study.condition import Condition
 from tpsim.study.measure import Measure
 from tpsim.study.record import Record, Records
@@ -79,10 +80,10 @@ def with_plants(
         yield list(on_plants(chosen, plants))
 
     def sections(records: Records) -> list[Section]:
-        from tpsim.study import series
-
-        shown = series.sections(records, study.all_measures)
-        shown = shown if study.sections is None else study.sections(records)
+        if study.sections is None:
+            shown = series.sections(records, study.all_measures)
+        else:
+            shown = study.sections(records)
         return [*shown, section(records, study.all_measures, plants, of)]
 
     extended: ConditionsOf = conditions

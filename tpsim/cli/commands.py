@@ -46,6 +46,9 @@ class Run(SeededCommand):
     """Number of pushes in each situation."""
     workers: int | None = None
     """Number of processes (default: one per core)."""
+    plants: tuple[str, ...] = ()
+    """Plants unlike the model on which the pushed trials are repeated, beside the nominal ones:
+    names such as "friction 0.5 Nm", or all."""
 
     def check(self) -> None:
         """Check the counts."""
@@ -58,10 +61,11 @@ class Run(SeededCommand):
     def execute(self, study: "Study", line: str) -> Answer:
         """Run the study."""
         from tpsim.study import campaign
+        from tpsim.study.plants import chosen, with_plants
         from tpsim.study.study import Plan
 
         return campaign.run(
-            study,
+            with_plants(study, chosen(self.plants)) if self.plants else study,
             Plan(self.seed, self.situations, self.pushes),
             folder=self.folder,
             workers=self.workers or cores(),

@@ -20,6 +20,24 @@ _TEXT = (
 )
 
 
+def chosen(names: Sequence[str]) -> dict[str, Plant]:
+    """Plants by their names in :data:`~tpsim.world.plant.PLANTS`; ``("all",)`` for every one.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no plant of a name.
+    """
+    if tuple(names) == ("all",):
+        return dict(PLANTS)
+    for name in names:
+        if name not in PLANTS:
+            raise ArgumentError(
+                f"there is no plant '{name}'; there are {', '.join(PLANTS)}, or all of them: all"
+            )
+    return {name: PLANTS[name] for name in names}
+
+
 def label(name: str) -> str:
     """Label of the conditions on a plant."""
     return f"plant: {name}"

@@ -41,7 +41,7 @@ class Impedance:
     def of_modes(
         cls, modes: np.ndarray, stiffness: np.ndarray, reference: np.ndarray
     ) -> "Impedance":
-        """Optimum of unit double integrators: damping is the root of twice the stiffness.
+        """Optimum of unit double integrators, frozen modes: damping is (2 stiffness)^1/2.
 
         Parameters
         ----------

@@ -98,11 +98,14 @@ from tpsim.world.people.script import Variation as Variation
 from tpsim.world.people.script import script as script
 from tpsim.world.people.script import straight as straight
 from tpsim.world.people.sight import Sight as Sight
+from tpsim.world.plant import PLANTS as PLANTS
 from tpsim.world.plant import Plant as Plant
 from tpsim.world.reach import reach as reach
 from tpsim.world.reach import satisfy as satisfy
 from tpsim.world.rehearsal import Rehearsed as Rehearsed
 from tpsim.world.rollout import rollout as rollout
+from tpsim.world.tank import UNLIMITED as UNLIMITED
+from tpsim.world.tank import Tank as Tank
 from tpsim.world.teaching import Lesson as Lesson
 from tpsim.world.trial import Trial as Trial
 from tpsim.world.weightless import Weightless as Weightless

@@ -17,6 +17,7 @@ from tpsim.task.task import draw_situation
 from tpsim.task.verbs import perform
 from tpsim.tasks.cup_and_sugar.task import CupAndSugar
 from tpsim.world.people.push import Push
+from tpsim.world.tank import Tank
 from tpsim.world.weightless import Weightless
 
 KINDS = [
@@ -63,6 +64,23 @@ def test_torques_are_those_of_the_simulation_bit_for_bit(kind, learned, folder_o
     assert np.ptp(torques, axis=0).max() > 0.1
     policy.reset()
     np.testing.assert_array_equal(commands(policy, states[:50]), torques[:50])
+
+
+@pytest.mark.parametrize("kind", ["MinimalIntervention", "Pursuit"])
+def test_torques_are_the_same_bits_where_the_tank_is_short(kind, learned, folder_of):
+    task, models = learned(kind)
+    situation, small = draw_situation(task, 5, 2), Tank(0.05)
+    trials, watches = [], []
+    for tank in (None, small):
+        watch = Watched(task.controller(task.stage, models, situation))
+        given = {"controller": watch, "duration": 0.5, "tank": tank}
+        trials.append(perform(task, models, situation, **given))
+        watches.append(watch)
+    policy = Policy.load(folder_of(kind), tank=small)
+    torques = commands(policy, watches[1].states)
+    np.testing.assert_array_equal(torques[::10], trials[1]["torque"])
+    assert np.abs(trials[1]["torque"] - trials[0]["torque"]).max() > 0.1
+    assert policy.energies.injected - policy.energies.dissipated <= 0.05 + 1e-6
 
 
 @pytest.mark.parametrize("kind", ["TimedIntervention", "FiniteHorizon"])

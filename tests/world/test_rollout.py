@@ -7,6 +7,7 @@ from tpsim.controllers.renewed import FixedImpedance
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.world.people.push import Push
 from tpsim.world.rollout import rollout
+from tpsim.world.tank import UNLIMITED
 from tpsim.world.weightless import Weightless
 
 SITES = {"left_hand": "left_gripper"}
@@ -75,7 +76,7 @@ def test_weightless_arms_float(world):
 def test_torques_keep_to_the_motors_limits_and_saturation_is_counted(world):
     far = world.robot.home + 0.8
     controller = FixedImpedance(far, 3000.0)
-    trial = rollout(world, controller, world.robot.home, 0.1, sites=SITES)
+    trial = rollout(world, controller, world.robot.home, 0.1, sites=SITES, tank=UNLIMITED)
     assert (np.abs(trial["torque"]) <= world.robot.torque_limit + 1e-12).all()
     assert trial["saturated_steps"][-1] > 0
 

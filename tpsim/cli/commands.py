@@ -48,6 +48,9 @@ class Run(SeededCommand):
     """Number of teachers, each with demonstrations and situations of its own (see --seed)."""
     workers: int | None = None
     """Number of processes (default: one per core)."""
+    plants: tuple[str, ...] = ()
+    """Plants unlike the model on which the pushed trials are repeated, beside the nominal ones:
+    names such as "friction 0.5 Nm", or all."""
 
     def check(self) -> None:
         """Check the counts."""
@@ -61,9 +64,11 @@ class Run(SeededCommand):
     def execute(self, study: "Study", line: str) -> Answer:
         """Run the study."""
         from tpsim.study import campaign
+        from tpsim.study.plants import chosen, with_plants
         from tpsim.study.study import Plan
         from tpsim.study.teachers import run_teachers
 
+        study = with_plants(study, chosen(self.plants)) if self.plants else study
         plan, workers = Plan(self.seed, self.situations, self.pushes), self.workers or cores()
         if self.teachers > 1:
             return run_teachers(

@@ -51,7 +51,10 @@ class FiniteHorizon(RenewedImpedance):
     with the precision of the movement. Through the arm's inertia this is torque,
     ``tau = J^T (J M^-1 J^T)^-1 u``; what is left of the arm follows the taught posture in the
     hand's nullspace (Eq. 42) by the infinite-horizon optimum. The effort is torque, ``r |tau|^2``
-    in the taught postures, so that what is light is not softer than what is heavy.
+    in the taught postures, so that what is light is not softer than what is heavy. The plan is
+    optimal for costs, M and J as they are along the taught postures; through the arm's inertia of
+    the moment its stiffness need not be symmetric, and the tank bounds what that may give
+    (:mod:`tpsim.world.tank`).
 
     Parameters
     ----------

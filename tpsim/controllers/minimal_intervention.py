@@ -167,7 +167,7 @@ class Modes:
 
 
 def optimum(product: Information, state: State, effort: float) -> Impedance:
-    """Optimal impedance towards the product of all frames, infinite horizon, closed form.
+    """Impedance towards the product of all frames: infinite horizon, frozen M and J, closed form.
 
     In the coordinates z = L^T q with M = L L^T every direction has unit inertia, and the cost of
     acceleration ``r |ddz|^2 = r ddq^T M ddq`` is the same for every direction. With the Jacobian
@@ -176,8 +176,11 @@ def optimum(product: Information, state: State, effort: float) -> Impedance:
         K_z = (Lambda_z / r)^1/2,  D_z = (2 K_z)^1/2,
         tau = L [ K_z L^T (q_hat - q) - D_z L^T dq ] + bias.
 
-    L and J are taken as constant until the next renewal. The stiffness ``L K_z L^T`` is symmetric
-    and does not depend on the choice of joint coordinates; all modes are damped alike.
+    It is the optimum for M, J and W that stay as they are; they are frozen until the next renewal,
+    and over the whole horizon nothing is claimed. The stiffness ``L K_z L^T`` is symmetric and
+    does not depend on the choice of joint coordinates; all modes are damped alike. From one
+    renewal to the next it is not the gradient of one potential: led round a loop it may give or
+    take energy, which the tank bounds (:mod:`tpsim.world.tank`).
 
     Parameters
     ----------

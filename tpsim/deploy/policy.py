@@ -16,6 +16,7 @@ from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 from tpsim.robot.views.view import View
 from tpsim.world.impedance import Controller, Drive, Impedance
+from tpsim.world.tank import Energies, Tank
 
 if TYPE_CHECKING:
     from tpsim.task.task import Models, Situation, Task
@@ -68,6 +69,7 @@ class Policy:
         *,
         period: float | None = None,
         limits: CartesianLimits | None = None,
+        tank: Tank | None = None,
         views: Sequence[type[View]] = (),
     ) -> "Policy":
         """Read a policy that :meth:`save` or ``tpsim export`` wrote.
@@ -79,6 +81,8 @@ class Policy:
             Time [s] between two calls on this robot; that of the simulation, 1 ms, by default.
         limits : CartesianLimits, optional
             Of Cartesian gains.
+        tank : Tank, optional
+            What torques of impedances may put into the robot; the robot's own by default.
         views : sequence of type
             Classes of your own views, if the task has any.
 
@@ -94,7 +98,7 @@ class Policy:
             raise ArgumentError(f"period is {period} s; give a positive number")
         policy = object.__new__(cls)
         policy._world = None
-        policy._begin(content, robot, period, limits)
+        policy._begin(content, robot, period, limits, tank)
         return policy
 
     def save(self, folder: str | Path) -> Path:
@@ -115,22 +119,29 @@ class Policy:
         robot: Robot,
         period: float | None = None,
         limits: CartesianLimits | None = None,
+        tank: Tank | None = None,
     ) -> None:
         self._content, self.name, self.robot = content, content.task, robot
         self.period = content.period if period is None else float(period)
         self.limits = CartesianLimits() if limits is None else limits
+        self._tank = tank
         self.objects = tuple(dict.fromkeys(objects_in(content.recipe)))
         self.reset()
 
     def reset(self) -> None:
         """Begin anew: the next call is the start, and its posture the start posture."""
         self._controller: Controller | None = None
-        self._drive = Drive(self.robot, self.period)
+        self._drive = Drive(self.robot, self.period, self._tank)
         self._hands = HandFilter(self.robot.hands, self.limits)
         self._state: State | None = None
         self._now: Impedance | np.ndarray | None = None
         self._filtered: float | None = None
         self._since = 0.0
+
+    @property
+    def energies(self) -> Energies:
+        """What torques have put in, and what is left in the tank [J]."""
+        return self._drive.energies
 
     def command(
         self,

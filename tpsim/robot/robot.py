@@ -239,6 +239,13 @@ class Robot:
         torque = pin.computeGeneralizedGravity(self._pin, self._dynamics, q)
         return self._with_springs(torque, q) if self._sprung else torque
 
+    def potential_energy(self, q: np.ndarray) -> float:
+        """Energy [J] of gravity and of the joints' own springs at q (n,)."""
+        energy = float(pin.computePotentialEnergy(self._pin, self._dynamics, q))
+        if self._sprung:
+            energy += 0.5 * float(self._springs @ (q - self._slack) ** 2)
+        return energy
+
     def is_comfortable(self, q: np.ndarray, margin: float = 0.15, load: float = 0.8) -> bool:
         """Whether a posture q (n,) keeps off its limits by a margin [rad], with torque to spare.
 

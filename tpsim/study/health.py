@@ -5,8 +5,10 @@ from dataclasses import replace
 from functools import partial
 from typing import cast
 
+import numpy as np
+
 from tpsim.study.measure import Measure
-from tpsim.study.record import Records
+from tpsim.study.record import Record, Records
 
 
 def saturated_steps(records: Records, controller: str | None = "learned") -> int:
@@ -37,6 +39,24 @@ def unreachable_samples(records: Records, controller: str | None = "learned") ->
     )
 
 
+def injected(record: Record) -> np.ndarray | None:
+    """Energy (T,) [J] that impedances have put in beyond what their dampers took.
+
+    It is what came out of the tank; None where joint torques were commanded.
+    """
+    arrays = record.trial.arrays
+    if "energy_injected" not in arrays:
+        return None
+    net: np.ndarray = arrays["energy_injected"] - arrays["energy_dissipated"]
+    return net
+
+
+INJECTED = Measure(
+    "energy_injected_max_J",
+    of=injected,
+    unit="J",
+    title="Energy injected beyond what dampers took, largest",
+)
 SATURATED = Measure(
     "saturated_steps", whole=saturated_steps, title="Time steps with a saturated motor"
 )

@@ -14,6 +14,7 @@ from tpsim.world.episode import Person
 from tpsim.world.impedance import Controller
 from tpsim.world.plant import NOMINAL, Plant
 from tpsim.world.rollout import rollout
+from tpsim.world.tank import Tank
 from tpsim.world.teaching import Shown
 from tpsim.world.teaching import teach as teach_lessons
 from tpsim.world.trial import Trial
@@ -115,6 +116,7 @@ def perform(
     people: Sequence[Person] = (),
     duration: float | None = None,
     plant: Plant = NOMINAL,
+    tank: Tank | None = None,
 ) -> Trial:
     """Perform a task once.
 
@@ -131,6 +133,8 @@ def perform(
         [s]; the task's own by default.
     plant : Plant
         How the simulated robot differs from the controller's model.
+    tank : Tank, optional
+        What impedances may put into the robot; the robot's own by default.
     """
     if controller is None:
         controller = task.controller(task.stage, models, situation)
@@ -143,5 +147,6 @@ def perform(
         people=people,
         objects=situation.objects,
         plant=plant,
+        tank=tank,
     )
     return trial.with_about(task.outcome(trial))

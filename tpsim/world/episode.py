@@ -81,10 +81,10 @@ class Episode:
         simulation.reset(start)
         self._step = self.saturated = self.contacts = 0
         self.touched = ""
-        exact, at_once = self._plant.encoder_bits is None, self._plant.latency == 0
+        exact = self._plant.encoder_bits is None
         self._sensors = None if exact else Sensors(self._plant, simulation.timestep)
         held = simulation.robot.gravity_torque(start)
-        self._delay = None if at_once else Delay(self._plant, simulation.timestep, held)
+        self._delay = Delay(self._plant, simulation.timestep, held)
 
     def sense(self) -> State:
         """Move the objects to where they are now; return what the robot senses."""
@@ -110,8 +110,7 @@ class Episode:
             self.simulation.clear_wrenches()
             for person in self.people:
                 person.act(self._step, self.truth)
-        if self._delay is not None:
-            wanted = self._delay.pass_on(wanted)
+        wanted = self._delay.pass_on(wanted)
         # Enough for all of them, and cheap; not a number is not within the limit either.
         share = wanted / self._limit
         if share.dot(share) <= 1.0:

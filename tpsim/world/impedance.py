@@ -13,6 +13,7 @@ from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 from tpsim.world.guard import Guard
+from tpsim.world.tank import Energies, Ledger, Tank
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +41,7 @@ class Impedance:
     def of_modes(
         cls, modes: np.ndarray, stiffness: np.ndarray, reference: np.ndarray
     ) -> "Impedance":
-        """Optimum of unit double integrators: damping is the root of twice the stiffness.
+        """Optimum of unit double integrators, frozen modes: damping is (2 stiffness)^1/2.
 
         Parameters
         ----------
@@ -85,34 +86,54 @@ class Controller(Protocol):
 class Drive:
     """Turns commands into joint torques, step by step, for one trial.
 
+    What impedances may put into the robot comes out of a tank (:mod:`tpsim.world.tank`): whoever
+    pushes or leads it gets back what they gave and what was in the tank, no more.
+
     Parameters
     ----------
     robot : Robot
     period : float
         Time between two steps [s].
+    tank : Tank, optional
+        The robot's own, :meth:`Tank.of <tpsim.world.tank.Tank.of>`, by default.
     """
 
-    def __init__(self, robot: Robot, period: float):
+    def __init__(self, robot: Robot, period: float, tank: Tank | None = None):
         self._robot, self._period, self._guard = robot, period, Guard(robot)
+        self._ledger = Ledger(robot, period, Tank.of(robot) if tank is None else tank)
         self._now: Impedance | None = None
-        self._wanted = self._gain = np.zeros(0)
+        self._age, self._wanted = 0, np.zeros(0)
+        self._gain = np.zeros(0)
         self._lead: np.ndarray | None = None
+
+    @property
+    def energies(self) -> Energies:
+        """What was counted up to the last look into the books, which are 10 ms apart at most."""
+        return self._ledger.energies
 
     def torque(self, command: Impedance | np.ndarray, state: State) -> np.ndarray:
         """Joint torques (n,) [Nm] wanted, before the motors' limits."""
         if isinstance(command, np.ndarray):
             if command.shape != (self._robot.n,):
                 self._refuse(f"an array of shape {command.shape}")
+            if self._now is not None:
+                self._ledger.close(state)
+                self._now = None
             return command
+        short = False
         if command is not self._now:
             if not isinstance(command, Impedance):
                 self._refuse(f"{command!r}")
             self._begin(command)
-        elif self._lead is not None:
-            self._wanted = self._wanted + self._lead
+            short = self._ledger.short(command, state)
+        else:
+            self._age += 1
+            if self._lead is not None:
+                self._wanted = self._wanted + self._lead
         # For a matrix so small, @ costs twice as much.
         torque: np.ndarray = self._wanted - self._gain.dot(state.x) + state.bias
-        return torque + self._guard.torque(state) if self._guard.wakes(state) else torque
+        guard = self._guard.torque(state) if self._guard.wakes(state) else None
+        return self._ledger.enter(torque, guard, command, state, self._age, short)
 
     def _refuse(self, what: str) -> None:
         raise ArgumentError(
@@ -121,7 +142,7 @@ class Drive:
         )
 
     def _begin(self, now: Impedance) -> None:
-        self._now = now
+        self._now, self._age = now, 0
         # The joints' own damping is compensated.
         damping = now.damping - np.diag(self._robot.damping)
         self._gain = np.concatenate((now.stiffness, damping), axis=1)

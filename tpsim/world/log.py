@@ -9,6 +9,7 @@ from tpsim import rotation
 from tpsim.robot.state import State
 from tpsim.world.episode import Episode
 from tpsim.world.impedance import Impedance, hand_stiffness
+from tpsim.world.tank import Energies
 from tpsim.world.trial import Channels
 
 
@@ -28,13 +29,14 @@ class Log:
         self._sites, self._hands = dict(sites), set(self._robot.hands.values())
         self._commands: list[Impedance | None] = []
         self._states: list[State] = []
+        self._energies: list[Energies] = []
         self._samples: dict[object, list[np.ndarray | int]] = defaultdict(list)
 
     def __len__(self) -> int:
         """Return the number of samples."""
         return len(self._states)
 
-    def add(self, torque: np.ndarray, command: Impedance | np.ndarray) -> None:
+    def add(self, torque: np.ndarray, command: Impedance | np.ndarray, energies: Energies) -> None:
         """Keep one sample."""
         episode, keep = self._episode, self._samples
         keep["saturated_steps"].append(episode.saturated)
@@ -50,6 +52,7 @@ class Log:
             if site in self._hands:
                 state.jacobian(site)
         self._states.append(state)
+        self._energies.append(energies)
         self._commands.append(command if isinstance(command, Impedance) else None)
 
     @property
@@ -105,6 +108,10 @@ class Log:
             # What asks for more than the joints can do is out of reach.
             "beyond_limits": (reference < robot.lower) | (reference > robot.upper),
         }
+        for name, energy in zip(Energies._fields, np.array(self._energies).T, strict=True):
+            # A tank without limit has no level.
+            if np.isfinite(energy).all():
+                signals[f"energy_{name}"] = energy
         for name, site in self._sites.items():
             if site in self._hands:
                 J = np.array([state.jacobian(site) for state in self._states])

@@ -2,7 +2,9 @@
 
 import copy
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import mujoco
 import numpy as np
@@ -98,6 +100,30 @@ class Plant:
 
 NOMINAL = Plant()
 """The plant that the controller's model describes."""
+
+PLANTS: Mapping[str, Plant] = MappingProxyType(
+    {
+        "mass 5 %": Plant(mass=0.05),
+        "payload 0.3 kg": Plant(payload=0.3),
+        "friction 0.1 Nm": Plant(friction=0.1),
+        "friction 0.5 Nm": Plant(friction=0.5),
+        "latency 1 ms": Plant(latency=0.001),
+        "latency 5 ms": Plant(latency=0.005),
+        "encoders 14 bit": Plant(encoder_bits=14),
+        "control 500 Hz": Plant(control_period=0.002),
+        "control 200 Hz": Plant(control_period=0.005),
+        "control 100 Hz": Plant(control_period=0.01),
+        "all at middle values": Plant(
+            mass=0.03,
+            payload=0.15,
+            friction=0.3,
+            latency=0.003,
+            encoder_bits=14,
+            control_period=0.002,
+        ),
+    }
+)
+"""Plants that real arms resemble, by name: each difference alone, and all together."""
 
 
 def _add_mass(model: mujoco.MjModel, site: int, mass: float) -> None:

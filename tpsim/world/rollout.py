@@ -10,6 +10,7 @@ from tpsim.world.impedance import Controller, Drive
 from tpsim.world.log import Log
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.plant import NOMINAL, Plant
+from tpsim.world.tank import Tank
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
 
@@ -27,6 +28,7 @@ def rollout(
     people: Sequence[Person] = (),
     objects: Sequence[ObjectPath] = (),
     plant: Plant = NOMINAL,
+    tank: Tank | None = None,
 ) -> Trial:
     """Let a controller drive the robot from rest for a while, and record it.
 
@@ -47,6 +49,8 @@ def rollout(
         Where movable objects are; those without a path stay where the scene has them.
     plant : Plant
         How the simulated robot differs from the controller's model.
+    tank : Tank, optional
+        What impedances may put into the robot; the robot's own by default.
 
     Returns
     -------
@@ -63,7 +67,7 @@ def rollout(
         raise ArgumentError(f"duration is {duration} s; give a positive number")
     steps, stride = (max(1, round(t / world.timestep)) for t in (duration, RECORD_PERIOD))
     episode = Episode(world.simulation(plant), people, objects, plant)
-    drive = Drive(world.robot, world.timestep)
+    drive = Drive(world.robot, world.timestep * episode.control_steps, tank)
     log = Log(episode, world.robot.hands if sites is None else sites)
     episode.reset(np.asarray(start, float))
     outcome, hold = "done", episode.control_steps
@@ -82,7 +86,7 @@ def rollout(
                 outcome = "diverged"
                 break
             assert command is not None
-            log.add(torque, command)
+            log.add(torque, command, drive.energies)
         episode.advance(torque)
     if not log:
         raise ArgumentError(

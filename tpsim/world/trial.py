@@ -39,7 +39,9 @@ class Trial:
     ----------
     arrays : dict of str to ndarray
         Signals sampled at 100 Hz: ``time (T,)`` s, ``q (T, n)`` rad, ``dq (T, n)`` rad/s,
-        ``torque (T, n)`` Nm, and those that ``channels`` names.
+        ``torque (T, n)`` Nm, and those that ``channels`` names; under impedances
+        ``energy_stored``, ``energy_dissipated``, ``energy_injected`` and ``energy_tank (T,)`` J,
+        see :class:`tpsim.world.tank.Energies`.
     outcome : str
         ``"done"``, or why it ended or does not count: ``"diverged"``, ``"contact"``,
         ``"joint limit"``, ``"saturated"``. A failure is data here, not an exception.

@@ -21,6 +21,10 @@ UNITS = {
     "stiffness": "N/m, Nm/rad",
     "damping": "N s/m, Nm s/rad",
     "reference": "m, rad",
+    "stored": "J",
+    "dissipated": "J",
+    "injected": "J",
+    "tank": "J",
 }
 """Units of the signals, by name or by the last word of the name."""
 

@@ -112,5 +112,6 @@ def measures(task: Pointing) -> tuple[Measure, ...]:
         health.UNREACHABLE,
         health.DIVERGED,
         health.CONTACTS,
+        health.INJECTED,
         health.realtime(25.0 if task.robot == "planar3" else 8.0),
     )

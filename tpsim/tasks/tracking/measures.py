@@ -1,6 +1,7 @@
 """What is measured of tracking: how near the hands come to their objects, beside the least."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -95,5 +96,6 @@ MEASURES = (
     health.of_all(health.UNREACHABLE),
     health.of_all(health.DIVERGED),
     health.of_all(health.CONTACTS),
+    replace(health.INJECTED, controller=None),
     health.realtime(25.0),
 )

@@ -161,6 +161,7 @@ MEASURES = (
     Measure("unreachable", whole=unreachable, title="Trials that ended out of reach"),
     health.DIVERGED,
     health.CONTACTS,
+    health.INJECTED,
     health.realtime(8.0),
 )
 

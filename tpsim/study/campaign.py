@@ -14,7 +14,7 @@ from tqdm import tqdm  # type: ignore[import-untyped]
 from tpsim.errors import RenderingError
 from tpsim.film import rendering
 from tpsim.film.video import film as write_film
-from tpsim.study import clips, figures, learned, series
+from tpsim.study import clips, figures, fronts, learned, series
 from tpsim.study.files.run import Run
 from tpsim.study.measure import Result
 from tpsim.study.record import Records
@@ -83,7 +83,7 @@ def run(
         "task": task.name,
         "seed": plan.seed,
         "trials": len(records),
-        "figures": {result.name: result.value for result in results},
+        "figures": {result.name: result.value for result in results} | _compared(study, records),
         "missed": [result.title for result in results if result.passed is False],
         "wall_seconds": round(time.monotonic() - began, 1),
         "paths": {
@@ -119,6 +119,11 @@ def _experiment(run: Run, lab: Lab, plan: Plan, workers: int, progress: bool) ->
             return records
 
 
+def _compared(study: Study, records: Records) -> dict[str, object]:
+    """Figures of all controllers, where the study compares them."""
+    return {} if study.contest is None else study.contest.standing(records).answer
+
+
 def _film(run: Run, lab: Lab, records: Records) -> tuple[Path | None, str]:
     try:
         rendering.environment()
@@ -138,6 +143,8 @@ def _report(
         sections = series.sections(records, study.all_measures)
     else:
         sections = study.sections(records)
+    if study.contest is not None:
+        sections = [*sections, *fronts.sections(study.contest.standing(records))]
     return write_report(
         run.folder / "report.html",
         title=study.title or task.name,

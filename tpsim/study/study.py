@@ -7,6 +7,7 @@ import numpy as np
 
 from tpsim.film.clip import Clip
 from tpsim.study.condition import Condition
+from tpsim.study.contest import Contest
 from tpsim.study.measure import Measure
 from tpsim.study.record import Records
 from tpsim.study.report import Section
@@ -103,6 +104,16 @@ def pushes_all_round(force: float = 20.0, body: str | None = None) -> "Condition
     return conditions
 
 
+def at_efforts(task: Task, multiples: Sequence[float]) -> dict[str, ControllerFactory]:
+    """The learned controller at multiples of a task's effort, by names that state the effort."""
+    found: dict[str, ControllerFactory] = {}
+    for multiple in multiples:
+        effort = multiple * task.effort  # type: ignore[attr-defined]
+        other = replace(task, effort=effort)  # type: ignore[type-var]
+        found[f"learned, effort {effort:.3g}"] = other.in_world(task.stage).controller
+    return found
+
+
 ConditionsOf = Callable[[Lab, Plan], Phases]
 
 MeasuresOf = Callable[[Task], Sequence[Measure]]
@@ -138,6 +149,9 @@ class Study:
     show : callable, optional
         ``show(world, condition, rng) -> Lesson``: how the teacher shows a condition whose
         ``shown`` names a behaviour.
+    contest : Contest, optional
+        How experts and other controllers are compared with what was learned; its experts are
+        controllers of the study.
     reference : str
         Where it is from, such as ``"my_task.py:study"``; filled in by
         :func:`~tpsim.study.reference.load_study`, and part of ``run.json``.
@@ -153,6 +167,7 @@ class Study:
     sections: Callable[[Records], list[Section]] | None = None
     clips: Callable[[Lab, Records], list[Clip]] | None = None
     show: Callable[[World, Condition, np.random.Generator], Lesson] | None = None
+    contest: Contest | None = None
     reference: str = ""
 
     @property
@@ -164,7 +179,14 @@ class Study:
     def all_controllers(self) -> Mapping[str, ControllerFactory]:
         """The task's own controller and those to compare with."""
         others = self.controllers(self.task) if callable(self.controllers) else self.controllers
-        return {"learned": self.task.controller, **others}
+        experts = {} if self.contest is None else self.contest.experts
+        return {"learned": self.task.controller, **others, **experts}
+
+    @property
+    def performers(self) -> Mapping[str, ControllerFactory]:
+        """All controllers, and the learned one at the other efforts of a contest."""
+        efforts = () if self.contest is None else self.contest.efforts
+        return {**self.all_controllers, **at_efforts(self.task, efforts)}
 
     def with_task(self, **fields: object) -> "Study":
         """The same study of a task with other fields."""

@@ -20,7 +20,7 @@ from tpsim.study.measure import Result
 from tpsim.study.record import Records
 from tpsim.study.recording import Answer, open_folder, record_all, say
 from tpsim.study.report import write_report
-from tpsim.study.study import Lab, Plan, Study
+from tpsim.study.study import Lab, Phases, Plan, Study
 from tpsim.study.teaching import taught_all
 from tpsim.study.teaching_files import write_demonstrations
 from tpsim.task.verbs import learn
@@ -105,7 +105,7 @@ def removed_if_nothing_came(folder: Path) -> Iterator[None]:
 
 
 def _experiment(run: Run, lab: Lab, plan: Plan, workers: int, progress: bool) -> Records:
-    records, phases = Records(lab.task, lab.models), lab.study.conditions(lab, plan)
+    records, phases = Records(lab.task, lab.models), _phases(lab, plan)
     conditions = next(phases, [])
     while True:
         labels = ", ".join(dict.fromkeys(c.label for c in conditions))
@@ -117,6 +117,14 @@ def _experiment(run: Run, lab: Lab, plan: Plan, workers: int, progress: bool) ->
             conditions = phases.send(records)
         except StopIteration:
             return records
+
+
+def _phases(lab: Lab, plan: Plan) -> Phases:
+    """Conditions of the study, then of its contest."""
+    yield from lab.study.conditions(lab, plan)
+    contest = lab.study.contest
+    if contest is not None and contest.apart:
+        yield from contest.conditions(lab, plan)
 
 
 def _compared(study: Study, records: Records) -> dict[str, object]:
@@ -144,7 +152,7 @@ def _report(
     else:
         sections = study.sections(records)
     if study.contest is not None:
-        sections = [*sections, *fronts.sections(study.contest.standing(records))]
+        sections = [*sections, *fronts.sections(study.contest, records)]
     return write_report(
         run.folder / "report.html",
         title=study.title or task.name,

@@ -11,17 +11,14 @@ from tpsim.errors import ArgumentError
 from tpsim.study.condition import Condition, Lead
 from tpsim.study.expert import Expert
 from tpsim.study.metrics import displacement, interval, mean_force, push_interval
-from tpsim.study.pareto import pareto
 from tpsim.study.record import Record, Records
+from tpsim.study.standing import Standing
 from tpsim.task.task import Situation, Task, draw_situation
 from tpsim.world.people.push import Push
 from tpsim.world.rollout import RECORD_PERIOD
 
 if TYPE_CHECKING:
     from tpsim.study.study import Lab, Phases, Plan
-
-WAY_LED = 0.9
-"""Share of a way that the led hand must have gone for the force to be that of this way."""
 
 _PUSHES, _LEAD = 5, 6
 
@@ -106,6 +103,9 @@ class Contest:
         Whether a push is one to which the robot should give way: ``counts(push)``; all by default.
     efforts : sequence of float
         Multiples of the task's effort at which the learned controller is tried, too.
+    apart : bool
+        Whether a run performs the contest after the study's own conditions; otherwise those
+        perform it, under its labels.
     rest, pushed, led : str
         Labels of the conditions.
     """
@@ -122,6 +122,7 @@ class Contest:
     twins: bool = True
     counts: Callable[[Push], bool] = lambda push: True
     efforts: Sequence[float] = (0.25, 4.0)
+    apart: bool = True
     rest: str = "contest"
     pushed: str = "contest pushed"
     led: str = "contest led"
@@ -168,21 +169,15 @@ class Contest:
         lead = replace(lead, origin=tuple(own[0].tolist()), carried=way)
         return replace(twin.condition, label=self.led, lead=(lead,))
 
-    def standing(self, records: Records) -> "Standing":
+    def standing(self, records: Records) -> Standing:
         """Points of all controllers on the trials that all of them performed."""
-        pushed = records.select(self.pushed, None)
-        led = records.select(self.led, None)
+        pushed, led = records.select(self.pushed, None), records.select(self.led, None)
         names = list(dict.fromkeys(record.condition.controller for record in pushed))
-        return Standing(
-            self,
-            {
-                name: {
-                    **self.figures(_common(pushed, names, name)),
-                    **self.forces(_common(led, names, name)),
-                }
-                for name in names
-            },
-        )
+        points = {}
+        for name in names:
+            figures = self.figures(_common(pushed, names, name))
+            points[name] = figures | self.forces(_common(led, names, name))
+        return Standing(points, tuple(f"{e.name}_p95_{e.unit}" for e in self.errors))
 
     def figures(self, records: Sequence[Record]) -> dict[str, float | None]:
         """Errors while pushed and the mean yield of some trials."""
@@ -257,43 +252,3 @@ def _met(record: Record) -> object:
     condition = record.condition
     ways = tuple((lead.site, lead.travel) for lead in condition.lead)
     return condition.situation.index, condition.push, ways, condition.plant
-
-
-@dataclass(frozen=True)
-class Standing:
-    """What came out of a contest.
-
-    Parameters
-    ----------
-    contest : Contest
-    points : mapping of str to mapping of str to float or None
-        Figures of each controller.
-    """
-
-    contest: Contest
-    points: Mapping[str, Mapping[str, float | None]]
-
-    @property
-    def dominated(self) -> dict[str, list[str]]:
-        """By which other controllers each one is dominated: errors (p95) and yield."""
-        return pareto({name: self._costs(name) for name in self.points})
-
-    @property
-    def answer(self) -> dict[str, object]:
-        """What a run says: figures of all that are not learned, and who dominates the learned."""
-        others = {n: dict(p) for n, p in self.points.items() if not n.startswith("learned")}
-        wide = [f"{e.name}_p95_{e.unit}" for e in self.contest.errors]
-        learned = self.points.get("learned", {})
-        by = self.dominated.get("learned", [])
-        return {
-            **{name: learned.get(name) for name in wide},
-            "experts": others,
-            "dominated_by": [name for name in by if not name.startswith("learned")],
-        }
-
-    def _costs(self, name: str) -> list[float]:
-        point = self.points[name]
-        errors = [point[f"{e.name}_p95_{e.unit}"] for e in self.contest.errors]
-        moved = point["displacement_mean_mm"]
-        costs = [*errors, None if moved is None else -moved]
-        return [np.nan if cost is None else cost for cost in costs]

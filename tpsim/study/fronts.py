@@ -7,13 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tpsim.study.canvas import INK, PALETTE, new_figure
-from tpsim.study.contest import WAY_LED, Contest, Error, Standing
+from tpsim.study.contest import Contest, Error
+from tpsim.study.record import Records
 from tpsim.study.report import Picture, Section
-
-LEARNED = "learned"
-"""How the names of learned controllers begin."""
-
-_YIELD, _FORCE, _WAY = "displacement_mean_mm", "lead_force_mean_N", "lead_way_mm"
+from tpsim.study.standing import FORCE, LEARNED, WAY, YIELD, Standing
 
 Spot = tuple[float, float, float]
 """Across, and of the error 95 % and largest."""
@@ -100,24 +97,23 @@ def _better(axis: Axes, more_is_better: bool) -> None:
     )
 
 
-def sections(standing: Standing) -> list[Section]:
+def sections(contest: Contest, records: Records) -> list[Section]:
     """Table of all controllers, and fronts of every error over yield and over force."""
+    standing, figures = contest.standing(records), []
     if len(standing.points) < 2:
         return []
-    contest, found = standing.contest, []
-    figures = []
     for error in contest.errors:
         name = f"{error.title or error.name} [{error.unit}]"
         for key, across, more in (
-            (_YIELD, "the pushed hand gives way [mm]", True),
-            (_FORCE, "force to lead the hand the same way [N]", False),
+            (YIELD, "the pushed hand gives way [mm]", True),
+            (FORCE, "force to lead the hand the same way [N]", False),
         ):
             spots = _spots(standing, error, key)
             if len(spots) > 1:
                 figure = front(spots, across=across, label=name, more_is_better=more)
                 figures.append(Picture(figure))
-    found.append(Section("Beside experts", _text(standing), figures, _rows(standing)))
-    return found
+    text = _text(standing) + "\n\n" + _experts(contest)
+    return [Section("Beside experts", text, figures, _rows(contest, standing))]
 
 
 def _spots(standing: Standing, error: Error, key: str) -> dict[str, Spot]:
@@ -125,31 +121,25 @@ def _spots(standing: Standing, error: Error, key: str) -> dict[str, Spot]:
     for name, point in standing.points.items():
         across = point[key]
         wide, most = (point[f"{error.name}_{part}_{error.unit}"] for part in ("p95", "max"))
-        led = key != _FORCE or led_far_enough(standing, name)
+        led = key != FORCE or standing.led(name)
         if across and wide and most and np.isfinite(most) and led:
             found[name] = (across, wide, most)
     return found
 
 
-def led_far_enough(standing: Standing, name: str) -> bool:
-    """Whether a controller's hand went the way that it was led, so that the force is that of it."""
-    most = max((point[_WAY] or 0.0 for point in standing.points.values()), default=0.0)
-    return (standing.points[name][_WAY] or 0.0) >= WAY_LED * most
-
-
-def _rows(standing: Standing) -> list[dict[str, object]]:
+def _rows(contest: Contest, standing: Standing) -> list[dict[str, object]]:
     rows = []
     for name, point in standing.points.items():
         row: dict[str, object] = {"controller": name}
-        for error in standing.contest.errors:
+        for error in contest.errors:
             for part, words in (("p95", "95 %"), ("max", "largest")):
                 value = point[f"{error.name}_{part}_{error.unit}"]
                 row[f"{error.title or error.name} [{error.unit}], {words}"] = _number(value)
-        row["yield [mm]"] = _number(point[_YIELD])
-        if point[_FORCE] is not None:
-            far = led_far_enough(standing, name)
-            row["force [N]"] = _number(point[_FORCE]) if far else f"more than {point[_FORCE]:.0f}"
-            row["led [mm]"] = _number(point[_WAY])
+        row["yield [mm]"] = _number(point[YIELD])
+        if point[FORCE] is not None:
+            far = standing.led(name)
+            row["force [N]"] = _number(point[FORCE]) if far else f"more than {point[FORCE]:.0f}"
+            row["led [mm]"] = _number(point[WAY])
         row["dominated by"] = ", ".join(standing.dominated[name]) or "none"
         rows.append(row)
     return rows
@@ -168,8 +158,7 @@ def _text(standing: Standing) -> str:
         "the mean that a person feels who leads the hand the same way under each controller; where "
         "the hand did not come along at the person's full strength it is more than that. A "
         "controller is dominated by another one that errs no more in anything, yields no less, and "
-        "is better in one.\n\n"
-        f"{_experts(standing.contest)}"
+        "is better in one."
     )
 
 

@@ -139,6 +139,7 @@ def contest(taught: Sequence[str]) -> Contest:
         yielding=130.0,
         duration=2.4,
         twins=False,
+        apart=False,
         rest="unpushed",
         pushed="pushed",
         led="led",

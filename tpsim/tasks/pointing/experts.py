@@ -69,12 +69,12 @@ def _computed(pointer: Pointer, world: World, situation: Situation, gains: Gains
 
 def experts(pointer: Pointer, gains: Path) -> dict[str, Expert]:
     """Experts for one arm."""
-    damping, posture = Range(0.5, 1.5), Range(1.0, 100.0, "1/s^2")
+    damping, posture = Range(0.5, 1.5), Range(1.0, 400.0, "1/s^2")
     inertial = Range(30.0, 3000.0, "1/s^2")
     found = {
         "cartesian": Expert(
             {
-                "direction": Range(2.0, 200.0, "Nm/rad"),
+                "direction": Range(2.0, 1000.0, "Nm/rad"),
                 "posture": posture,
                 "damping": damping,
             },
@@ -129,5 +129,5 @@ def contest(task: Pointing) -> Contest:
     )
 
 
-YIELDING = {"planar3": 60.0, "baxter": 60.0}
+YIELDING = {"planar3": 12.0, "baxter": 12.0}
 """How far each arm is to give way at least [mm]."""

@@ -47,8 +47,6 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
             found.append(Condition("pushed", situation, push=(push,)))
             found.append(Condition("moving pushed", moving, push=(push,)))
     yield found
-    assert lab.study.contest is not None
-    yield from lab.study.contest.conditions(lab, plan)
 
 
 def _heading(rng: np.random.Generator, dims: int = 2) -> np.ndarray:

@@ -141,5 +141,5 @@ def contest(task: Tracking) -> Contest | None:
     )
 
 
-YIELDING = 30.0
+YIELDING = 3.0
 """How far the second hand is to give way at least [mm]."""

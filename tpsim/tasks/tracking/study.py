@@ -49,8 +49,6 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
             via = 1 + (2 * rng.integers(VIAS // 2) if turn % 2 == 0 else 1)
             found.append(Condition("pushed", situation, name, (_push(rng, int(via)),)))
     yield found
-    if lab.study.contest is not None:
-        yield from lab.study.contest.conditions(lab, plan)
 
 
 def _push(rng: np.random.Generator, via: int) -> Push:

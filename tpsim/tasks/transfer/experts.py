@@ -108,11 +108,11 @@ def _computed(world: World, situation: Situation, gains: Gains) -> ComputedTorqu
 def experts() -> dict[str, Expert]:
     """Experts for the way between the docks."""
     damping, posture = Range(0.5, 1.5), Range(1.0, 30.0, "1/s^2")
-    inertial = Range(20.0, 2000.0, "1/s^2")
+    inertial = Range(20.0, 4000.0, "1/s^2")
     found = {
         "cartesian": Expert(
             {
-                "position": Range(50.0, 5000.0, "N/m"),
+                "position": Range(50.0, 10000.0, "N/m"),
                 "orientation": Range(5.0, 300.0, "Nm/rad"),
                 "posture": posture,
                 "damping": damping,
@@ -183,5 +183,5 @@ def contest() -> Contest:
     )
 
 
-YIELDING = 30.0
+YIELDING = 10.0
 """How far the hand is to give way half way between the docks at least [mm]."""

@@ -54,8 +54,6 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
             label, situation = ("far pushed", far) if k % 2 else ("pushed", near)
             found.append(Condition(label, situation, push=(_push(rng),)))
     yield found
-    assert lab.study.contest is not None
-    yield from lab.study.contest.conditions(lab, plan)
 
 
 def show(world: World, condition: Condition, rng: np.random.Generator) -> Lesson:

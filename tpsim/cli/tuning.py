@@ -18,6 +18,8 @@ class Tune(StudyCommand):
     """Sets of gains that are tried for each expert."""
     seed: int = 10_000
     """Seed of gains and situations; from 10000 on, which no comparison uses."""
+    only: tuple[str, ...] = ()
+    """Experts to tune (default: all); the others keep their gains."""
     workers: int | None = None
     """Number of processes (default: one per core)."""
 
@@ -38,5 +40,6 @@ class Tune(StudyCommand):
             seed=self.seed,
             file=None if self.folder is None else self.folder / "gains.json",
             workers=self.workers or cores(),
+            only=self.only,
             command=line,
         )

@@ -5,12 +5,16 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 
 from tpsim.study.canvas import INK, PALETTE, new_figure
 from tpsim.study.contest import Contest, Error
 from tpsim.study.record import Records
 from tpsim.study.report import Picture, Section
 from tpsim.study.standing import FORCE, LEARNED, WAY, YIELD, Standing
+
+_PLACES = ((7, 0), (-7, 0), (7, 10), (7, -10), (-7, 10), (-7, -10), (7, 20), (7, -20))
+"""Where a name may stand by its point [points]."""
 
 Spot = tuple[float, float, float]
 """Across, and of the error 95 % and largest."""
@@ -41,19 +45,38 @@ def front(
         axis.plot([x, x], [wide, most], color=colour, lw=1.2, alpha=0.6)
         marker = "o" if name == LEARNED else "." if name.startswith(LEARNED) else "s"
         axis.plot(x, wide, marker, color=colour, ms=6)
-        axis.annotate(
-            name.removeprefix(f"{LEARNED}, ") if name != LEARNED else name,
-            (x, wide),
-            xytext=(6, 4),
-            textcoords="offset points",
-            fontsize=8,
-            color=INK,
-        )
     _logarithmic(axis, [s[0] for s in spots.values()], [e for s in spots.values() for e in s[1:]])
     axis.set_xlabel(across, color=INK)
     axis.set_ylabel(label, color=INK)
     _better(axis, more_is_better)
+    _name(axis, spots)
     return figure
+
+
+def _name(axis: Axes, spots: Mapping[str, Spot]) -> None:
+    """Write every name where it covers no other one, if there is such a place by its point."""
+    axis.figure.draw_without_rendering()  # type: ignore[union-attr]
+    places = axis.transData.transform([spot[:2] for spot in spots.values()])
+    taken = [Bbox.from_bounds(x - 4, y - 4, 8, 8) for x, y in places]
+    for name, (x, wide, _) in spots.items():
+        text = name.removeprefix(f"{LEARNED}, ")
+        for dx, dy in _PLACES:
+            note = axis.annotate(
+                text,
+                (x, wide),
+                xytext=(dx, dy),
+                textcoords="offset points",
+                ha="left" if dx > 0 else "right",
+                va="center",
+                fontsize=8,
+                color=INK,
+            )
+            box = note.get_window_extent()
+            if not any(box.overlaps(other) for other in taken):
+                break
+            if (dx, dy) != _PLACES[-1]:
+                note.remove()
+        taken.append(box)
 
 
 def _logarithmic(axis: Axes, across: Sequence[float], errors: Sequence[float]) -> None:

@@ -8,7 +8,6 @@ from typing import cast
 from tpsim.study.measure import Measure
 from tpsim.study.record import Records
 
-
 Labels = str | Sequence[str] | None
 """Conditions whose trials count; all by default."""
 

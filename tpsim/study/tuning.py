@@ -75,9 +75,10 @@ def tune(
     seed: int = SEED,
     file: Path | None = None,
     workers: int = 1,
+    only: Sequence[str] = (),
     command: str = "",
 ) -> Answer:
-    """Tune all experts of a study's contest and write their gains.
+    """Tune the experts of a study's contest and write their gains.
 
     Parameters
     ----------
@@ -90,13 +91,16 @@ def tune(
         JSON; by default where the contest has its gains.
     workers : int
         Processes; their number changes no result.
+    only : sequence of str, optional
+        Experts to tune; the others keep what the file says of them. All by default.
     command : str
         For people who read the file.
 
     Raises
     ------
     ArgumentError
-        If the study has no contest with experts, or the seed is one of the comparisons'.
+        If the study has no contest with experts or none of a name, or the seed is one of the
+        comparisons'.
     """
     contest = study.contest
     if contest is None or not contest.experts:
@@ -111,13 +115,12 @@ def tune(
     file = contest.gains if file is None else file
     if file is None:
         raise ArgumentError("the contest does not say where its gains are; give a file")
-    found = {}
-    judges = Judges(study.task, contest, seed, workers)
-    for name, expert in contest.experts.items():
-        say(f"tuning {name}: {trials} sets of {', '.join(expert.ranges)}")
-        found[name] = _search(judges, name, expert, trials, seed, contest.yielding)
+    if unknown := set(only) - set(contest.experts):
+        raise ArgumentError(
+            f"there is no expert {', '.join(sorted(unknown))}; there are "
+            f"{', '.join(contest.experts)}"
+        )
     about = {
-        "task": study.task.name,
         "seed": seed,
         "trials": trials,
         "situations": contest.tuning_situations,
@@ -125,7 +128,17 @@ def tune(
         "versions": versions(("tpsim", "mujoco", "pin", "numpy", "scipy")),
         "command": command or f"tpsim.study.tuning.tune(study, trials={trials}, seed={seed})",
     }
-    write_text(file, json.dumps(plain({**about, "experts": found}), indent=1) + "\n")
+    found = {}
+    judges = Judges(study.task, contest, seed, workers)
+    for name, expert in contest.experts.items():
+        if only and name not in only:
+            continue
+        say(f"tuning {name}: {trials} sets of {', '.join(expert.ranges)}")
+        found[name] = _search(judges, name, expert, trials, seed, contest.yielding)
+    kept = json.loads(file.read_text())["experts"] if only and file.is_file() else {}
+    every = kept | {name: one | about for name, one in found.items()}
+    content = {"task": study.task.name, "experts": every}
+    write_text(file, json.dumps(plain(content), indent=1) + "\n")
     return {
         "task": study.task.name,
         "seed": seed,

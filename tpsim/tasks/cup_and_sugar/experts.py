@@ -89,8 +89,8 @@ def experts(taught: Sequence[str]) -> dict[str, Expert]:
         "osc": Expert(
             {
                 "hand": Range(15.0, 400.0, "1/s^2"),
-                "tilt": Range(100.0, 5000.0, "1/s^2"),
-                "between": Range(100.0, 5000.0, "1/s^2"),
+                "tilt": Range(300.0, 20000.0, "1/s^2"),
+                "between": Range(300.0, 20000.0, "1/s^2"),
                 "posture": _POSTURE,
                 "damping": _DAMPING,
             },

@@ -12,7 +12,6 @@ from tpsim.tasks.tracking.body import SIDES, Body, Teaching
 from tpsim.tasks.tracking.outcome import Outcome
 from tpsim.tasks.tracking.task import HANDS, Tracking, behaviour
 
-
 FOLLOWED = ("unpushed", "pushed")
 """Conditions in which the learned behaviours follow their objects; others compare."""
 

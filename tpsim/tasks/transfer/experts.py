@@ -122,7 +122,7 @@ def experts() -> dict[str, Expert]:
         "osc": Expert(
             {
                 "position": inertial,
-                "orientation": inertial,
+                "orientation": Range(100.0, 20000.0, "1/s^2"),
                 "posture": posture,
                 "damping": damping,
             },

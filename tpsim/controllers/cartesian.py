@@ -8,7 +8,7 @@ from scipy.linalg import block_diag
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.controllers.renewed import RenewedImpedance
-from tpsim.controllers.seeking import Reference, gains, moving, positive, restrained, seek
+from tpsim.controllers.seeking import Reference, gains, moving, positive, seek
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.robot.state import State
 from tpsim.robot.views.view import View
@@ -133,4 +133,4 @@ class CartesianImpedance(RenewedImpedance):
             (modes * (2 * self.damping * np.sqrt(filled))) @ modes.T,
             state.q + way,
         )
-        return moving(restrained(now, state), pace, state)
+        return moving(now, pace, state)

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.controllers.renewed import RenewedImpedance
-from tpsim.controllers.seeking import Reference, gains, moving, positive, restrained, seek
+from tpsim.controllers.seeking import Reference, gains, moving, positive, seek
 from tpsim.errors import ArgumentError
 from tpsim.robot.state import State
 from tpsim.robot.views.view import View
@@ -168,4 +168,4 @@ class OperationalSpace(RenewedImpedance):
         S, D, way, pace = prioritised(self.aims, state, L, posture)
         to_joints = dtrtrs(L, np.stack([way, pace], axis=1), lower=1, trans=1)[0]
         now = Impedance(L @ S @ L.T, L @ D @ L.T, state.q + to_joints[:, 0])
-        return moving(restrained(now, state), to_joints[:, 1], state)
+        return moving(now, to_joints[:, 1], state)

@@ -8,13 +8,15 @@ from scipy.linalg.lapack import dgesv
 
 from tpsim.controllers.minimal_intervention import MinimalIntervention, optimum
 from tpsim.controllers.product import Information, Skill
-from tpsim.controllers.seeking import restrained
 from tpsim.robot.state import State
 from tpsim.robot.views.view import Seen
 from tpsim.world.impedance import Impedance
 
 STEADY = 0.1
 """Standard deviation [rad] from which on a frame is too vague to lead the joints' velocity."""
+
+STRENGTH = 0.6
+"""Share of the motors' torque that springs do not exceed: the rest is left for brakes."""
 
 
 class Pursuit(MinimalIntervention):
@@ -43,8 +45,14 @@ class Pursuit(MinimalIntervention):
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the product of all frames at a state, moving with them."""
         state = self._ahead(state)
-        product = self.product(state)
-        held = restrained(optimum(product, state, self.effort), state)
+        product, robot = self.product(state), state.robot
+        now = optimum(product, state, self.effort)
+        pull = now.stiffness @ (now.reference - state.q)
+        # At this speed spring and damper are in balance.
+        speed = dgesv(now.damping, pull)[2]
+        share = np.abs(pull) / (STRENGTH * robot.torque_limit)
+        excess = max(share.max(), (np.abs(speed) / robot.velocity_limit).max())
+        held = now if excess <= 1 else now.weaker(excess)
         return replace(held, velocity=self._keep_up(product, state))
 
     def _ahead(self, state: State) -> State:

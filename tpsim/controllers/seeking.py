@@ -1,11 +1,10 @@
-"""What hand-set controllers share: views that are to reach a reference, and restraint."""
+"""What hand-set controllers share: views that are to reach a reference, and their gains."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg.lapack import dgesv
 
 from tpsim.errors import ArgumentError
 from tpsim.robot.state import State
@@ -14,9 +13,6 @@ from tpsim.world.impedance import Impedance
 
 Reference = Sequence[float] | np.ndarray | Callable[[float], tuple[np.ndarray, np.ndarray]]
 """Where a view is to be (d,), [m] or [rad]; or ``reference(time) -> (value, velocity)``."""
-
-STRENGTH = 0.6
-"""Share of the motors' torque that springs do not exceed: the rest is left for brakes."""
 
 
 class Sought(NamedTuple):
@@ -80,22 +76,6 @@ def positive(name: str, value: float) -> float:
     if not (np.isfinite(value) and value > 0):
         raise ArgumentError(f"{name} is {value}; it must be positive and finite")
     return float(value)
-
-
-def restrained(now: Impedance, state: State) -> Impedance:
-    """The impedance with springs as weak as motors and joints ask for.
-
-    Far from its reference a spring asks for more torque than motors have, or, in balance with its
-    damper, for more speed than joints may have; it then pulls less, and the damper keeps its
-    strength.
-    """
-    robot = state.robot
-    pull = now.stiffness @ (now.reference - state.q)
-    # At this speed spring and damper are in balance.
-    speed = dgesv(now.damping, pull)[2]
-    share = np.abs(pull) / (STRENGTH * robot.torque_limit)
-    excess = float(max(share.max(), (np.abs(speed) / robot.velocity_limit).max()))
-    return now if excess <= 1 else now.weaker(excess)
 
 
 def moving(now: Impedance, velocity: np.ndarray, state: State) -> Impedance:

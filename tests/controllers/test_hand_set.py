@@ -181,20 +181,6 @@ def test_a_moving_reference_is_kept_up_with(robot):
         np.testing.assert_allclose(HAND(robot.at_home).jacobian @ velocity, speed, atol=1e-8)
 
 
-def test_springs_far_from_their_reference_pull_less_and_in_the_same_direction(robot):
-    """Where motors would be cut off all springs are scaled alike; where not, none is."""
-    for away in (0.002, 2.0):
-        far = HAND(robot.at_home).value + np.array([0.0, 0.0, away])
-        now = CartesianImpedance([Spring(HAND, 5000.0, far)], robot.home).command(robot.at_home, 0)
-        pull = now.stiffness @ (now.reference - robot.home)
-        whole = HAND(robot.at_home).jacobian.T @ np.array([0.0, 0.0, 5000.0 * away])
-        share = (pull @ whole) / (whole @ whole)
-        np.testing.assert_allclose(pull, share * whole, atol=1e-6)
-        excess = np.abs(whole + robot.at_home.bias) / robot.torque_limit
-        assert share == pytest.approx(1 / max(1.0, excess.max()), rel=1e-6)
-        assert (share < 0.1) == (away > 1)
-
-
 @pytest.mark.parametrize(
     ("make", "words"),
     [

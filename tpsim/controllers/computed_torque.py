@@ -7,7 +7,7 @@ import numpy as np
 
 from tpsim.controllers.operational_space import PERIOD, Aim, prioritised
 from tpsim.controllers.renewed import RenewedImpedance
-from tpsim.controllers.seeking import moving, positive, within_motors
+from tpsim.controllers.seeking import moving, positive
 from tpsim.errors import ArgumentError
 from tpsim.robot.state import State
 from tpsim.world.impedance import Impedance
@@ -70,7 +70,7 @@ class ComputedTorque(RenewedImpedance):
         q, dq, ddq = self.trajectory(state)
         M, kp = state.mass, self.gain
         now = Impedance(kp * M, 2 * self.damping * kp**0.5 * M, q + ddq / kp)
-        return within_motors(moving(now, dq, state), state)
+        return moving(now, dq, state)
 
 
 def staying(posture: np.ndarray) -> Trajectory:

@@ -39,8 +39,15 @@ movement in time is followed by :class:`TimedIntervention`, as in ``docs/recipes
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from tpsim.controllers.cartesian import CartesianImpedance as CartesianImpedance
+from tpsim.controllers.cartesian import Spring as Spring
+from tpsim.controllers.computed_torque import ComputedTorque as ComputedTorque
+from tpsim.controllers.computed_torque import InverseKinematics as InverseKinematics
+from tpsim.controllers.computed_torque import Motion as Motion
 from tpsim.controllers.finite_horizon import FiniteHorizon as FiniteHorizon
 from tpsim.controllers.minimal_intervention import MinimalIntervention as MinimalIntervention
+from tpsim.controllers.operational_space import Aim as Aim
+from tpsim.controllers.operational_space import OperationalSpace as OperationalSpace
 from tpsim.controllers.product import Skill as Skill
 from tpsim.controllers.pursuit import Pursuit as Pursuit
 from tpsim.controllers.renewed import FixedImpedance as FixedImpedance
@@ -56,6 +63,8 @@ from tpsim.robot.views.joints import Joints as Joints
 from tpsim.robot.views.observe import observe as observe
 from tpsim.robot.views.sites import Object as Object
 from tpsim.robot.views.sites import Site as Site
+from tpsim.robot.views.timed import Handover as Handover
+from tpsim.robot.views.timed import OnPath as OnPath
 from tpsim.robot.views.view import Seen as Seen
 from tpsim.robot.views.view import View as View
 from tpsim.scene.compose import Camera as Camera
@@ -65,8 +74,13 @@ from tpsim.scene.compose import world as world
 from tpsim.study.campaign import run as run
 from tpsim.study.condition import Condition as Condition
 from tpsim.study.condition import Lead as Lead
+from tpsim.study.contest import Contest as Contest
+from tpsim.study.contest import Error as Error
+from tpsim.study.expert import Expert as Expert
+from tpsim.study.expert import Range as Range
 from tpsim.study.measure import Measure as Measure
 from tpsim.study.measure import rms as rms
+from tpsim.study.pareto import pareto as pareto
 from tpsim.study.record import Record as Record
 from tpsim.study.record import Records as Records
 from tpsim.study.reference import load_study as load_study
@@ -74,6 +88,7 @@ from tpsim.study.study import Lab as Lab
 from tpsim.study.study import Plan as Plan
 from tpsim.study.study import Study as Study
 from tpsim.study.study import pushes_all_round as pushes_all_round
+from tpsim.study.tuning import tune as tune
 from tpsim.task.task import Behaviour as Behaviour
 from tpsim.task.task import Goal as Goal
 from tpsim.task.task import Situation as Situation

@@ -25,6 +25,7 @@ from tpsim.cli.options import (
     positive,
 )
 from tpsim.cli.recordings import Data
+from tpsim.cli.tuning import Tune
 from tpsim.errors import ArgumentError
 from tpsim.versions import cores
 
@@ -280,7 +281,7 @@ def _say(name: str) -> None:
 COMMANDS: Mapping[str, type[Command | StudyCommand]] = {
     command.__name__.lower(): command
     for command in (
-        *(Run, Teach, Learn, Reproduce, Push, Replay, Export, Data),
+        *(Run, Teach, Learn, Reproduce, Push, Tune, Replay, Export, Data),
         *(Compare, Bench, Demo, Doctor),
     )
 }

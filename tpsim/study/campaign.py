@@ -14,13 +14,13 @@ from tqdm import tqdm  # type: ignore[import-untyped]
 from tpsim.errors import RenderingError
 from tpsim.film import rendering
 from tpsim.film.video import film as write_film
-from tpsim.study import clips, figures, learned, series, teaching
+from tpsim.study import clips, figures, fronts, learned, series, teaching
 from tpsim.study.files.run import Run
 from tpsim.study.measure import Result
 from tpsim.study.record import Records
 from tpsim.study.recording import Answer, open_folder, record_all, say
 from tpsim.study.report import Section, write_report
-from tpsim.study.study import Lab, Plan, Study
+from tpsim.study.study import Lab, Phases, Plan, Study
 from tpsim.study.teaching_files import write_demonstrations
 from tpsim.task.verbs import learn
 
@@ -92,7 +92,7 @@ def run(
         "seed": plan.seed,
         "trials": len(records),
         **teaching.refused(shown),
-        "figures": {result.name: result.value for result in results},
+        "figures": {result.name: result.value for result in results} | _compared(study, records),
         "missed": [result.title for result in results if result.passed is False],
         "wall_seconds": round(time.monotonic() - began, 1),
         "paths": {
@@ -114,7 +114,7 @@ def removed_if_nothing_came(folder: Path) -> Iterator[None]:
 
 
 def _experiment(run: Run, lab: Lab, plan: Plan, workers: int, progress: bool) -> Records:
-    records, phases = Records(lab.task, lab.models), lab.study.conditions(lab, plan)
+    records, phases = Records(lab.task, lab.models), _phases(lab, plan)
     conditions = next(phases, [])
     while True:
         labels = ", ".join(dict.fromkeys(c.label for c in conditions))
@@ -126,6 +126,19 @@ def _experiment(run: Run, lab: Lab, plan: Plan, workers: int, progress: bool) ->
             conditions = phases.send(records)
         except StopIteration:
             return records
+
+
+def _phases(lab: Lab, plan: Plan) -> Phases:
+    """Conditions of the study, then of its contest."""
+    yield from lab.study.conditions(lab, plan)
+    contest = lab.study.contest
+    if contest is not None and contest.apart:
+        yield from contest.conditions(lab, plan)
+
+
+def _compared(study: Study, records: Records) -> dict[str, object]:
+    """Figures of all controllers, where the study compares them."""
+    return {} if study.contest is None else study.contest.standing(records).answer
 
 
 def _film(run: Run, lab: Lab, records: Records) -> tuple[Path | None, str]:
@@ -153,6 +166,8 @@ def _report(
         sections = series.sections(records, study.all_measures)
     else:
         sections = study.sections(records)
+    if study.contest is not None:
+        sections = [*sections, *fronts.sections(study.contest, records)]
     return write_report(
         run.folder / "report.html",
         title=study.title or task.name,

@@ -1,22 +1,23 @@
 """Conditions: what is varied from trial to trial, as plain values."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tpsim.errors import ArgumentError
 from tpsim.task.task import Situation
 from tpsim.world.episode import BoundPerson
-from tpsim.world.people.guide import Grip, Guide
+from tpsim.world.people.guide import Grip, Guide, HandPath
 from tpsim.world.people.push import Push
 from tpsim.world.people.script import straight
 from tpsim.world.plant import NOMINAL, Plant
+from tpsim.world.rollout import RECORD_PERIOD
 from tpsim.world.simulation import Simulation
 
 
 @dataclass(frozen=True)
 class Lead:
-    """A person leads a site along a straight line, and feels what resists.
+    """A person leads a site along a straight line, or off its own way, and feels what resists.
 
     Parameters
     ----------
@@ -31,6 +32,9 @@ class Lead:
         Of the person's grip [N/m].
     max_force : float
         Strength of the person [N].
+    carried : tuple of (3,) tuple
+        Where the site would be by itself every 10 ms from ``start`` on [m]: the line is led off
+        that way. By default it would stay at the origin.
     """
 
     site: str
@@ -41,6 +45,7 @@ class Lead:
     rest: float = 0.5
     stiffness: float = 2000.0
     max_force: float = 60.0
+    carried: tuple[tuple[float, float, float], ...] = ()
 
     def bind(self, simulation: Simulation) -> BoundPerson:
         """Look up the names in one simulation."""
@@ -48,7 +53,21 @@ class Lead:
         grip = Grip(self.stiffness, damping, 0.0, 0.0, self.max_force)
         origin, travel = np.array(self.origin), np.array(self.travel)
         path = straight(origin, travel, self.duration, self.rest, simulation.timestep)
+        if self.carried:
+            path = _off(np.array(self.carried), path, origin, simulation.timestep)
         return Guide("lead", self.site, grip, path, start=self.start).bind(simulation)
+
+
+def _off(own: np.ndarray, path: HandPath, origin: np.ndarray, timestep: float) -> HandPath:
+    """A path (T,) off the way (S, 3) [m] that the site goes by itself."""
+    time = timestep * (1 + np.arange(len(path)))
+    clock = RECORD_PERIOD * np.arange(len(own))
+    way = np.stack([np.interp(time, clock, axis) for axis in own.T], axis=1)
+    return replace(
+        path,
+        position=path.position - origin + way,
+        velocity=path.velocity + np.gradient(way, timestep, axis=0),
+    )
 
 
 @dataclass(frozen=True)

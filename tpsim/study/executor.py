@@ -49,7 +49,7 @@ def perform_condition(study: Study, models: Models, condition: Condition) -> Tri
 
 
 def _perform(study: Study, models: Models, condition: Condition) -> Trial:
-    found, task = study.all_controllers, study.task
+    found, task = study.performers, study.task
     if condition.controller not in found:
         raise ArgumentError(
             f"the study has no controller '{condition.controller}'; it has {', '.join(found)}"

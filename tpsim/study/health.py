@@ -1,6 +1,6 @@
 """What can go wrong in trials, counted: measures that every study shares."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import cast
@@ -10,20 +10,25 @@ import numpy as np
 from tpsim.study.measure import Measure
 from tpsim.study.record import Record, Records
 
+Labels = str | Sequence[str] | None
+"""Conditions whose trials count; all by default."""
 
-def saturated_steps(records: Records, controller: str | None = "learned") -> int:
+
+def saturated_steps(
+    records: Records, controller: str | None = "learned", label: Labels = None
+) -> int:
     """Time steps with a motor at its limit, in all trials of a controller; None for all."""
-    return int(sum(record["saturated_steps"][-1] for record in records.select(None, controller)))
+    return int(sum(record["saturated_steps"][-1] for record in records.select(label, controller)))
 
 
-def diverged(records: Records, controller: str | None = "learned") -> int:
+def diverged(records: Records, controller: str | None = "learned", label: Labels = None) -> int:
     """Trials in which the robot became faster than any robot."""
-    return sum(record.trial.outcome == "diverged" for record in records.select(None, controller))
+    return sum(record.trial.outcome == "diverged" for record in records.select(label, controller))
 
 
-def contacts(records: Records, controller: str | None = "learned") -> int:
+def contacts(records: Records, controller: str | None = "learned", label: Labels = None) -> int:
     """Trials in which something touched."""
-    return sum(record.trial.outcome == "contact" for record in records.select(None, controller))
+    return sum(record.trial.outcome == "contact" for record in records.select(label, controller))
 
 
 def saturated_percent(records: Records) -> float:
@@ -32,10 +37,12 @@ def saturated_percent(records: Records) -> float:
     return 100 * saturated_steps(records) / max(steps, 1)
 
 
-def unreachable_samples(records: Records, controller: str | None = "learned") -> int:
+def unreachable_samples(
+    records: Records, controller: str | None = "learned", label: Labels = None
+) -> int:
     """Samples in which a posture beyond the joints' limits was asked for."""
     return int(
-        sum(record["beyond_limits"].any(1).sum() for record in records.select(None, controller))
+        sum(record["beyond_limits"].any(1).sum() for record in records.select(label, controller))
     )
 
 
@@ -69,10 +76,10 @@ UNREACHABLE = Measure(
 )
 
 
-def of_all(measure: Measure) -> Measure:
-    """One of these measures, counted in the trials of all controllers."""
+def of_all(measure: Measure, label: Labels = None) -> Measure:
+    """One of these measures, counted in the trials of all controllers under some labels."""
     count = cast(Callable[..., int], measure.whole)
-    return replace(measure, whole=partial(count, controller=None))
+    return replace(measure, whole=partial(count, controller=None, label=label))
 
 
 def realtime(least: float) -> Measure:

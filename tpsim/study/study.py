@@ -7,6 +7,7 @@ import numpy as np
 
 from tpsim.film.clip import Clip
 from tpsim.study.condition import Condition
+from tpsim.study.contest import Contest
 from tpsim.study.measure import Measure
 from tpsim.study.record import Records
 from tpsim.study.report import Section
@@ -138,6 +139,9 @@ class Study:
     show : callable, optional
         ``show(world, condition, rng) -> Lesson``: how the teacher shows a condition whose
         ``shown`` names a behaviour.
+    contest : Contest, optional
+        How experts and other controllers are compared with what was learned; its experts are
+        controllers of the study.
     reference : str
         Where it is from, such as ``"my_task.py:study"``; filled in by
         :func:`~tpsim.study.reference.load_study`, and part of ``run.json``.
@@ -153,6 +157,7 @@ class Study:
     sections: Callable[[Records], list[Section]] | None = None
     clips: Callable[[Lab, Records], list[Clip]] | None = None
     show: Callable[[World, Condition, np.random.Generator], Lesson] | None = None
+    contest: Contest | None = None
     reference: str = ""
 
     @property
@@ -164,7 +169,18 @@ class Study:
     def all_controllers(self) -> Mapping[str, ControllerFactory]:
         """The task's own controller and those to compare with."""
         others = self.controllers(self.task) if callable(self.controllers) else self.controllers
-        return {"learned": self.task.controller, **others}
+        experts = {} if self.contest is None else self.contest.experts
+        return {"learned": self.task.controller, **others, **experts}
+
+    @property
+    def performers(self) -> Mapping[str, ControllerFactory]:
+        """All controllers, and those of the variants of a contest."""
+        variants = {} if self.contest is None else self.contest.variants(self.task)
+        others = {
+            f"learned, {name}": task.in_world(self.task.stage).controller
+            for name, task in variants.items()
+        }
+        return {**self.all_controllers, **others}
 
     def with_task(self, **fields: object) -> "Study":
         """The same study of a task with other fields."""

@@ -6,7 +6,8 @@ import numpy as np
 
 from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
-from tpsim.robot.views.view import View, observe
+from tpsim.robot.views.observe import observe
+from tpsim.robot.views.view import View
 from tpsim.task.task import Goal
 from tpsim.world.teaching import Refusal
 from tpsim.world.trial import Trial

@@ -48,7 +48,7 @@ def _pushed(lab: Lab, twin: Record, plan: Plan) -> Iterator[Condition]:
         force = tuple((PUSH * DIRECTIONS[k % 6]).tolist())
         push = Push("left_gripper", force, start=onset)
         rest = resting(twin, onset)
-        for controller in lab.study.all_controllers:
+        for controller in lab.study.performers:
             start = situation if controller == "learned" else rest
             yield Condition("pushed", start, controller, (push,))
 
@@ -78,6 +78,6 @@ def _led(lab: Lab, twin: Record, plan: Plan) -> Iterator[Condition]:
     rest = resting(twin, lead.start)
     k = int(np.searchsorted(twin.trial.time, lead.start))
     origin = tuple(twin["left_hand_position"][k].tolist())
-    for controller in lab.study.all_controllers:
+    for controller in lab.study.performers:
         start = situation if controller == "learned" else rest
         yield Condition("led", start, controller, lead=(replace(lead, origin=origin),))

@@ -262,6 +262,7 @@ _HEALTH = (
     ),
     health.DIVERGED,
     health.CONTACTS,
+    health.INJECTED,
     health.realtime(8.0),
 )
 

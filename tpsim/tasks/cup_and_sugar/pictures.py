@@ -57,7 +57,7 @@ def _yielding(records: Records) -> Section | None:
     bars: dict[str, dict[str, list[float]]] = {}
     for record in records.select("pushed", None):
         way = moved(record)
-        if way is None:
+        if way is None or record.condition.controller not in _NAMES:
             continue
         (push,) = record.condition.push
         axis = int(np.argmax(np.abs(push.force)))

@@ -8,6 +8,7 @@ from tpsim.study.study import ControllerFactory, Lab, Study
 from tpsim.task.task import Models, Situation
 from tpsim.tasks.cup_and_sugar import pictures
 from tpsim.tasks.cup_and_sugar.conditions import conditions
+from tpsim.tasks.cup_and_sugar.experts import contest
 from tpsim.tasks.cup_and_sugar.measures import measures
 from tpsim.tasks.cup_and_sugar.task import CupAndSugar
 from tpsim.world.world import World
@@ -40,6 +41,7 @@ def study(task: CupAndSugar) -> Study:
         measures,
         controllers={"stiff": fixed(STIFF), "soft": fixed(SOFT)},
         conditions=conditions,
+        contest=contest(task.taught),
         probes={"stiffness_error_percent": stiffness_error},
         title="Cup and sugar",
         lead=(

@@ -64,7 +64,7 @@ class CupAndSugar(Task):
     friction: float = 180.0
     components: int = 1
     hold: float = 0.1
-    teacher: TeacherName = "firm"
+    teacher: TeacherName = "human"
 
     duration: ClassVar[float] = 6.0
 

@@ -7,9 +7,11 @@ from typing import cast
 import numpy as np
 
 from tpsim.study.condition import Condition
+from tpsim.study.expert import fixed_gains
 from tpsim.study.study import Lab, Phases, Plan, Study
 from tpsim.task.task import Situation, draw_situation
 from tpsim.tasks.pointing import pictures
+from tpsim.tasks.pointing.experts import contest
 from tpsim.tasks.pointing.measures import measures
 from tpsim.tasks.pointing.pointers import OBJECTS, Pointer
 from tpsim.tasks.pointing.task import Pointing
@@ -87,10 +89,13 @@ def _jumping(path: ObjectPath, heading: np.ndarray) -> ObjectPath:
 def study(task: Pointing | None = None) -> Study:
     """The study of pointing with either robot."""
     task = Pointing() if task is None else task
+    compared = contest(task)
     return Study(
         task,
         measures(task),
+        controllers=fixed_gains(compared.experts["computed"]),
         conditions=conditions,
+        contest=compared,
         title="Pointing at two objects",
         lead=(
             "The weightless arm was led to point at one object, at another, and back to rest. What "

@@ -13,6 +13,9 @@ from tpsim.tasks.tracking.body import SIDES, Body, Teaching
 from tpsim.tasks.tracking.outcome import Outcome
 from tpsim.tasks.tracking.task import HANDS, Tracking, behaviour
 
+FOLLOWED = ("unpushed", "pushed")
+"""Conditions in which the learned behaviours follow their objects; others compare."""
+
 
 def distance(record: Record, side: str) -> np.ndarray:
     """Distance (T,) [m] of a hand from its object."""
@@ -92,10 +95,10 @@ MEASURES = (
     *_twice("priority_rms_mm", first, "mm", 15.0, _FIRST),
     *_twice("other_distance_ratio", other, "", 1.1, _OTHER),
     *_twice("compromise_ratio", split, "", 0.15, _SPLIT),
-    health.of_all(health.SATURATED),
-    health.of_all(health.UNREACHABLE),
-    health.of_all(health.DIVERGED),
-    health.of_all(health.CONTACTS),
+    health.of_all(health.SATURATED, FOLLOWED),
+    health.of_all(health.UNREACHABLE, FOLLOWED),
+    health.of_all(health.DIVERGED, FOLLOWED),
+    health.of_all(health.CONTACTS, FOLLOWED),
     replace(health.INJECTED, controller=None),
     health.realtime(25.0),
 )

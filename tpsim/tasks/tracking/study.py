@@ -7,9 +7,10 @@ from typing import cast
 import numpy as np
 
 from tpsim.study.condition import Condition
+from tpsim.study.expert import fixed_gains
 from tpsim.study.study import ControllerFactory, Lab, Phases, Plan, Study
 from tpsim.task.task import Task, draw_situation
-from tpsim.tasks.tracking import pictures
+from tpsim.tasks.tracking import experts, pictures
 from tpsim.tasks.tracking.body import SIDES
 from tpsim.tasks.tracking.carousel import SECONDS, VIAS
 from tpsim.tasks.tracking.measures import MEASURES
@@ -26,9 +27,13 @@ _DRAWS = 4
 
 
 def controllers(task: Task) -> Mapping[str, ControllerFactory]:
-    """One controller for each behaviour, which are performed apart, not together."""
+    """One controller for each behaviour, which are performed apart, not together; fixed gains."""
     tracking = cast(Tracking, task)
-    return {behaviour(one): partial(tracking.follow, one) for one in tracking.taught}
+    found: dict[str, ControllerFactory] = {
+        behaviour(one): partial(tracking.follow, one) for one in tracking.taught
+    }
+    compared = experts.contest(tracking)
+    return found if compared is None else found | fixed_gains(compared.experts["computed"])
 
 
 def conditions(lab: Lab, plan: Plan) -> Phases:
@@ -56,11 +61,13 @@ def _push(rng: np.random.Generator, via: int) -> Push:
 
 def study(task: Tracking | None = None) -> Study:
     """The study of all behaviours, or of those that a task names."""
+    task = Tracking() if task is None else task
     return Study(
-        Tracking() if task is None else task,
+        task,
         MEASURES,
         controllers=controllers,
         conditions=conditions,
+        contest=experts.contest(task),
         title="Tracking two objects with priorities",
         lead=(
             "Two hands that share a trunk were led after two moving objects, which at times could "

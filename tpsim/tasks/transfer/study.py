@@ -9,11 +9,12 @@ import numpy as np
 from tpsim.robot.views.view import View
 from tpsim.study import health
 from tpsim.study.condition import Condition
+from tpsim.study.expert import fixed_gains
 from tpsim.study.measure import Measure
 from tpsim.study.record import Record, Records
 from tpsim.study.study import Lab, Phases, Plan, Study
 from tpsim.task.task import Situation, draw_situation
-from tpsim.tasks.transfer import docks, pictures
+from tpsim.tasks.transfer import docks, experts, pictures
 from tpsim.tasks.transfer.task import SEEN, Transfer, lesson_between
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.push import Push
@@ -168,10 +169,13 @@ MEASURES = (
 
 def study(task: Transfer) -> Study:
     """The study of transfer."""
+    compared = experts.contest()
     return Study(
         task,
         MEASURES,
+        controllers=fixed_gains(compared.experts["computed"]),
         conditions=conditions,
+        contest=compared,
         show=show,
         title="Transfer between two docks",
         lead=(

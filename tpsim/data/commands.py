@@ -18,6 +18,7 @@ from tpsim.data.recording import Recording
 from tpsim.data.writing import write
 from tpsim.demonstration import Demonstration
 from tpsim.errors import TpsimError
+from tpsim.threads import one_thread
 
 
 def info(
@@ -83,6 +84,7 @@ def convert(
     }
 
 
+@one_thread()
 def learn(
     path: str | Path | Sequence[str | Path],
     frames: Sequence[str | PoseColumns] = (),

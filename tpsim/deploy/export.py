@@ -9,8 +9,10 @@ from tpsim.study.recording import Answer
 from tpsim.study.study import Study
 from tpsim.study.teaching import demonstrations_of
 from tpsim.task.verbs import Taught, learn
+from tpsim.threads import one_thread
 
 
+@one_thread()
 def export(
     study: Study, demonstrations: Path | Taught | None = None, folder: Path | None = None
 ) -> Answer:

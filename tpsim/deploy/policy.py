@@ -15,6 +15,7 @@ from tpsim.robot.objects import NONE, Objects
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 from tpsim.robot.views.view import View
+from tpsim.threads import one_thread
 from tpsim.world.impedance import Controller, Drive, Impedance
 
 if TYPE_CHECKING:
@@ -25,7 +26,8 @@ if TYPE_CHECKING:
 class Policy:
     """What was learned of a task, ready to drive a robot.
 
-    On the robot's computer it needs numpy, scipy, pinocchio and msgspec, and no simulator. Call
+    On the robot's computer it needs numpy, scipy, pinocchio, msgspec and threadpoolctl, and no
+    simulator. Call
     :meth:`command` or :meth:`cartesian` once every :attr:`period`.
 
     Parameters
@@ -53,6 +55,7 @@ class Policy:
         If the task's controller is not one of tpsim's, or depends on the situation.
     """
 
+    @one_thread()
     def __init__(self, task: "Task", models: "Models", situation: "Situation | None" = None):
         from tpsim.deploy.making import recipe_for
 
@@ -62,6 +65,7 @@ class Policy:
         self._world: World | None = world
 
     @classmethod
+    @one_thread()
     def load(
         cls,
         folder: str | Path,
@@ -132,6 +136,7 @@ class Policy:
         self._filtered: float | None = None
         self._since = 0.0
 
+    @one_thread()
     def command(
         self,
         q: ArrayLike,
@@ -159,6 +164,7 @@ class Policy:
         wanted, limit = self._drive.torque(now, state), self.robot.torque_limit
         return np.minimum(np.maximum(wanted, -limit), limit)
 
+    @one_thread()
     def cartesian(
         self,
         q: ArrayLike,

@@ -14,9 +14,11 @@ from tpsim.section8.report import write_comparison_report
 from tpsim.section8.results import Results
 from tpsim.section8.run import run
 from tpsim.study.canvas import to_png
+from tpsim.threads import one_thread
 from tpsim.whole import write_bytes, write_text
 
 
+@one_thread()
 def compare(
     methods: Mapping[str, Method] = METHODS,
     plan: Plan | None = None,

@@ -19,11 +19,13 @@ from tpsim.section8.statistics import bootstrap, ranks
 from tpsim.section8.trial import Trial, perform
 from tpsim.study.canvas import to_png
 from tpsim.study.report import Picture, Section, write_report
+from tpsim.threads import one_thread
 from tpsim.whole import write_bytes, write_text
 
 SHOWN = 4  # columns of the picture
 
 
+@one_thread()
 def leave_one_out(
     demonstrations: Sequence[Demonstration], methods: Mapping[str, Method] = METHODS
 ) -> list[Trial]:
@@ -55,6 +57,7 @@ def leave_one_out(
     ]
 
 
+@one_thread()
 def compare_left_out(
     demonstrations: Sequence[Demonstration],
     methods: Mapping[str, Method] = METHODS,

@@ -1,7 +1,6 @@
 """Running a plan: cell by cell, in one process or several, going on where it was cut off."""
 
 import multiprocessing
-import os
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
@@ -13,6 +12,7 @@ from tpsim.section8.families import FAMILIES
 from tpsim.section8.method import Method
 from tpsim.section8.plan import Plan
 from tpsim.section8.trial import Trial, perform
+from tpsim.threads import one_thread
 
 Cell = tuple[str, int, int]
 
@@ -49,6 +49,7 @@ def run(
     return {cell: trial for cell, trial in done.items() if trial is not None}
 
 
+@one_thread()
 def perform_cell(plan: Plan, methods: Mapping[str, Method], cell: Cell) -> Trial:
     """Teach, learn and retrieve: one family, number of demonstrations and teacher."""
     name, count, seed = cell
@@ -82,7 +83,6 @@ _work: tuple[Plan, Mapping[str, Method]] | None = None
 
 def _start(plan: Plan, methods: Mapping[str, Method]) -> None:
     global _work
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
     _work = plan, methods
 
 

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from tpsim.errors import ArgumentError, RecordingError, TpsimError
 from tpsim.study.executor import perform_all
@@ -13,11 +12,13 @@ from tpsim.study.files.limits import check_condition
 from tpsim.study.files.run import Run
 from tpsim.study.reference import is_ours, load_study
 from tpsim.study.study import Study
-from tpsim.versions import versions
+from tpsim.threads import one_thread
+from tpsim.versions import environment
 from tpsim.world.teaching import show
 from tpsim.world.trial import Trial
 
 
+@one_thread()
 def replay(run: Run, study: Study | None = None, workers: int = 1) -> dict[str, object]:
     """Perform the trials of a run again and compare all signals bit for bit.
 
@@ -137,14 +138,7 @@ def _shown(study: Study, about: Performed | Demonstrated, where: object) -> Tria
             f"{where}: about.behaviour is '{about.behaviour}'; the task has {', '.join(behaviours)}"
         )
     teacher = behaviours[about.behaviour].teacher
-    with threadpool_limits(1):
-        return show(
-            study.task.stage,
-            teacher,
-            about.attempt,
-            seed=about.seed,
-            sites=study.task.sites(),
-        )
+    return show(study.task.stage, teacher, about.attempt, seed=about.seed, sites=study.task.sites())
 
 
 def _difference(one: Trial, other: Trial) -> float | None:
@@ -163,6 +157,6 @@ def _same_bits(one: np.ndarray, other: np.ndarray) -> bool:
 
 
 def _changes(then: dict[str, str | None]) -> list[str]:
-    now = versions(tuple(then.keys() - {"python"}))
+    now = environment()
     changed = sorted(name for name in then if then[name] != now.get(name))
     return [f"{name} {then[name]} then, {now.get(name)} now" for name in changed]

@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
-from threadpoolctl import threadpool_limits
-
 from tpsim import paths
 from tpsim.study import learned
 from tpsim.study.files.models_file import save_models
@@ -22,9 +20,11 @@ from tpsim.task.task import Task
 from tpsim.task.verbs import Taught
 from tpsim.task.verbs import learn as learn_behaviours
 from tpsim.task.verbs import teach as teach_behaviours
+from tpsim.threads import one_thread
 from tpsim.world.trial import Trial
 
 
+@one_thread()
 def teach(
     study: Study,
     count: int | None = None,
@@ -73,6 +73,7 @@ def teach(
     }
 
 
+@one_thread()
 def learn(
     study: Study, demonstrations: Path | Taught | None = None, out: Path | None = None
 ) -> Answer:
@@ -134,5 +135,4 @@ def _taught(task: Task, count: int, seed: int, behaviour: str) -> list[Trial]:
         good += outcome == "done"
         say(f"teaching {name}: attempt {attempt + 1} {outcome}, {good} of {count} good")
 
-    with threadpool_limits(1):
-        return teach_behaviours(task, count, seed, [behaviour], tell)[behaviour]
+    return teach_behaviours(task, count, seed, [behaviour], tell)[behaviour]

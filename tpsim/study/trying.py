@@ -11,6 +11,7 @@ from tpsim.study.study import Study
 from tpsim.study.teaching import demonstrations_of
 from tpsim.task.task import draw_situation
 from tpsim.task.verbs import Taught, learn
+from tpsim.threads import one_thread
 from tpsim.world.people.push import Push
 
 
@@ -52,6 +53,7 @@ def push(
     return _try(study, demonstrations, situation, seed, folder, command, pushed)
 
 
+@one_thread()
 def _try(
     study: Study,
     demonstrations: Path | Taught | None,

@@ -6,6 +6,7 @@ from tpsim.errors import ArgumentError
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.task.check import check
 from tpsim.task.task import Models, Situation, Task, demonstration
+from tpsim.threads import one_thread
 from tpsim.world.episode import Person
 from tpsim.world.impedance import Controller
 from tpsim.world.plant import NOMINAL, Plant
@@ -17,6 +18,7 @@ Taught = Mapping[str, Sequence[Trial]]
 """Demonstrations of every behaviour, by name."""
 
 
+@one_thread()
 def teach(
     task: Task,
     count: int | None = None,
@@ -63,6 +65,7 @@ def _telling(progress: Callable[[str, int, str], None], name: str) -> Callable[[
     return lambda attempt, outcome: progress(name, attempt, outcome)
 
 
+@one_thread()
 def learn(task: Task, taught: Taught) -> dict[str, TPGMM]:
     """Learn every behaviour of a task from its demonstrations (Appendix A).
 
@@ -80,6 +83,7 @@ def learn(task: Task, taught: Taught) -> dict[str, TPGMM]:
     return models
 
 
+@one_thread()
 def perform(
     task: Task,
     models: Models,

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from tpsim.errors import ArgumentError
+from tpsim.threads import one_thread
 from tpsim.world.episode import Episode, Person
 from tpsim.world.impedance import Controller, Drive
 from tpsim.world.log import Log
@@ -17,6 +18,7 @@ RECORD_PERIOD = 0.01
 """Time [s] between samples of a recording."""
 
 
+@one_thread()
 def rollout(
     world: World,
     controller: Controller,

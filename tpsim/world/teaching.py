@@ -8,6 +8,7 @@ import numpy as np
 
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.robot.robot import Robot
+from tpsim.threads import one_thread
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.guide import Guide
 from tpsim.world.rollout import rollout
@@ -82,6 +83,7 @@ def _verdict(robot: Robot, trial: Trial) -> str:
     return "done"
 
 
+@one_thread()
 def show(
     world: World,
     teacher: Teacher,

@@ -25,7 +25,8 @@ def test_a_run_says_how_to_repeat_it_before_it_starts(tmp_path, toy):
     assert said["task"]["fields"] == {"effort": 0.05, "reach": [0.3, 0.4], "grip": None}
     assert said["task"]["reference"].endswith("toy.py:study")
     assert said["robot"]["joints"] == ["shoulder", "elbow"]
-    assert said["versions"].keys() == {"python", "tpsim", "numpy", "scipy", "mujoco", "pin"}
+    assert said["versions"].keys() == {"python", "tpsim", "numpy", "scipy", "mujoco", "pin", "blas"}
+    assert "1 thread" in said["versions"]["blas"]
     assert said["units"]["torque"] == "Nm"
     assert said["whole"] is None
     assert load_run(run.folder) == run

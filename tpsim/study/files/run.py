@@ -24,7 +24,7 @@ from tpsim.study.files.scene import SCENE, read_world, write_world
 from tpsim.study.files.trial_file import SCHEMA, load_trial, save_trial
 from tpsim.study.study import Study
 from tpsim.task.task import Models
-from tpsim.versions import versions
+from tpsim.versions import environment
 from tpsim.whole import write_text
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
@@ -172,7 +172,7 @@ def open_run(
         seed,
         now(),
         git_commit(),
-        versions(("tpsim", "numpy", "scipy", "mujoco", "pin")),
+        environment(),
         task,
         world.description,
         scene,

@@ -35,7 +35,10 @@ class Stored(Part):
     """Base of the values and models that have ``save`` and ``load``."""
 
     def save(self, path: str | Path) -> Path:
-        """Write to an .npz archive, whole or not at all, without pickles."""
+        """Write to a new .npz archive, whole or not at all, without pickles.
+
+        RecordingError where there is such a file: nothing is overwritten.
+        """
         return save_arrays(path, _packed("", self))
 
     @classmethod

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, SupportsFloat, TypedDict
 
 from tpsim import paths
 from tpsim.errors import ArgumentError, TpsimError
-from tpsim.threads import one_thread
+from tpsim.world.threads import one_thread
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

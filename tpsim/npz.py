@@ -23,7 +23,8 @@ _NUMBERS_AND_TEXT = "biufcU"
 def write_members(path: str | Path, arrays: Mapping[str, np.ndarray]) -> Path:
     """Write named arrays to ``path``, under a temporary name until the file is complete.
 
-    Its folder is made where it is missing. No pickles, no compression.
+    Its folder is made where it is missing. No pickles, no compression; RecordingError where there
+    is such a file.
     """
     path = Path(path)
     with whole_file(path) as file:

@@ -5,8 +5,6 @@ import platform
 from collections.abc import Sequence
 from importlib import metadata
 
-from tpsim.threads import linear_algebra, one_thread
-
 PACKAGES = (
     "tpsim",
     "numpy",
@@ -27,12 +25,6 @@ PACKAGES = (
 def versions(packages: Sequence[str] = PACKAGES) -> dict[str, str | None]:
     """Python's version and those of ``packages``; None where one is not installed."""
     return {"python": platform.python_version()} | {name: _version(name) for name in packages}
-
-
-def environment() -> dict[str, str | None]:
-    """What the bits of a result depend on, besides the code that is run."""
-    with one_thread():
-        return versions(("tpsim", "numpy", "scipy", "mujoco", "pin")) | {"blas": linear_algebra()}
 
 
 def cores() -> int:

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from sklearn.mixture import GaussianMixture
 
 from tpsim import MFA, TPGMM, Demonstration, Frame, Gaussian, fit_gmm, fit_tp_gmm
-from tpsim.threads import one_thread
 from tpsim.errors import ArgumentError, TpsimError
 from tpsim.examples import u_demonstrations, u_frames
+from tpsim.world.threads import one_thread
 
 PRODUCT = np.load(Path(__file__).parents[1] / "reference" / "product.npz")
 

@@ -7,11 +7,11 @@ from functools import partial
 import numpy as np
 
 from tpsim.bench.timing import median_time
-from tpsim.threads import one_thread
 from tpsim.frame import Frame
 from tpsim.learning.gmm import fit_gmm
 from tpsim.learning.subspace import MFA
 from tpsim.learning.tp_gmm import fit_tp_gmm
+from tpsim.world.threads import one_thread
 
 COMPONENTS = 5
 

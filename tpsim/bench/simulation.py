@@ -11,7 +11,6 @@ import mujoco
 import numpy as np
 
 from tpsim.bench.timing import processor_time
-from tpsim.threads import one_thread
 from tpsim.film import rendering
 from tpsim.film.clip import Clip
 from tpsim.film.video import film
@@ -20,6 +19,7 @@ from tpsim.task.environment import environment
 from tpsim.task.task import Models, Task, draw_situation
 from tpsim.task.verbs import Taught, learn, perform, teach
 from tpsim.tasks import STUDIES
+from tpsim.world.threads import one_thread
 
 FPS = 25
 """Pictures of a film in a second."""

@@ -4,12 +4,12 @@ from pathlib import Path
 
 from tpsim import paths
 from tpsim.deploy.policy import Policy
-from tpsim.errors import RecordingError
 from tpsim.study.recording import Answer
 from tpsim.study.study import Study
 from tpsim.study.teaching import demonstrations_of
 from tpsim.task.verbs import Taught, learn
-from tpsim.threads import one_thread
+from tpsim.whole import check_free
+from tpsim.world.threads import one_thread
 
 
 @one_thread()
@@ -36,8 +36,7 @@ def export(
     """
     task = study.task
     target = paths.recordings() / "policies" / task.name if folder is None else folder
-    if target.exists():
-        raise RecordingError(f"{target} exists; give a new folder, policies are never overwritten")
+    check_free(target)
     taught = demonstrations_of(study, demonstrations)
     policy = Policy(task, learn(task, taught))
     return {

@@ -15,8 +15,8 @@ from tpsim.robot.objects import NONE, Objects
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 from tpsim.robot.views.view import View
-from tpsim.threads import one_thread
 from tpsim.world.impedance import Controller, Drive, Impedance
+from tpsim.world.threads import one_thread
 
 if TYPE_CHECKING:
     from tpsim.task.task import Models, Situation, Task

@@ -24,7 +24,7 @@ from tpsim.study.study import Lab, Plan, Study
 from tpsim.study.teaching import taught_all
 from tpsim.study.teaching_files import write_demonstrations
 from tpsim.task.verbs import learn
-from tpsim.threads import one_thread
+from tpsim.world.threads import one_thread
 
 
 @one_thread()

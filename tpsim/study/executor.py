@@ -14,8 +14,8 @@ from tpsim.study.study import Study
 from tpsim.study.workers import Workers
 from tpsim.task.task import Models
 from tpsim.task.verbs import perform
-from tpsim.threads import one_thread
 from tpsim.world.teaching import demonstrate
+from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
 

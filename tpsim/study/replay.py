@@ -10,11 +10,11 @@ from tpsim.study.executor import perform_all
 from tpsim.study.files.about import Demonstrated, Performed, read_about, with_fields
 from tpsim.study.files.limits import check_condition
 from tpsim.study.files.run import Run
+from tpsim.study.files.run_file import environment
 from tpsim.study.reference import is_ours, load_study
 from tpsim.study.study import Study
-from tpsim.threads import one_thread
-from tpsim.versions import environment
 from tpsim.world.teaching import show
+from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 
 

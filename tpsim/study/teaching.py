@@ -6,21 +6,17 @@ from pathlib import Path
 
 from tpsim import paths
 from tpsim.study import learned
-from tpsim.study.files.models_file import save_models
+from tpsim.study.files.models_file import model_files, save_models
 from tpsim.study.recording import Answer, say
 from tpsim.study.study import Study
-from tpsim.study.teaching_files import (
-    place_for,
-    read_demonstrations,
-    replaced,
-    write_demonstrations,
-)
+from tpsim.study.teaching_files import add_demonstrations, check_place, read_demonstrations
 from tpsim.study.workers import Workers
 from tpsim.task.task import Task
 from tpsim.task.verbs import Taught
 from tpsim.task.verbs import learn as learn_behaviours
 from tpsim.task.verbs import teach as teach_behaviours
-from tpsim.threads import one_thread
+from tpsim.whole import check_free, numbered_folder, whole_folder
+from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 
 
@@ -43,7 +39,8 @@ def teach(
     seed : int
     folder : Path, optional
         The demonstrations go to ``<folder>/<behaviour>``, which must be new; by default to
-        ``recordings/demonstrations/<behaviour>``, where they replace others of this robot.
+        ``recordings/demonstrations/<behaviour>``, ``<behaviour>~2``, ...: earlier ones stay, and
+        the last are learned from.
     command : str
         For people who read the folder.
 
@@ -52,18 +49,17 @@ def teach(
     SimulationError
         If too many demonstrations are useless.
     RecordingError
-        If the demonstrations would overwrite those of somebody else.
+        If the folder holds something, or the usual one demonstrations of another robot.
     """
     task = study.task
     count = task.demonstrations if count is None else count
     attempts, written = {}, []
-    targets = {behaviour: place_for(task, folder, behaviour) for behaviour in task.behaviours()}
+    for behaviour in task.behaviours():
+        check_place(task, folder, behaviour)
     for behaviour, trials in taught_all(study, count, seed).items():
-        target = targets[behaviour]
-        with replaced(target) as new:
-            write_demonstrations(new, study, behaviour, trials, seed=seed, command=command)
+        place = add_demonstrations(folder, study, behaviour, trials, seed=seed, command=command)
         attempts[behaviour] = int(str(trials[-1].about["attempt"])) + 1
-        written.append(str(target))
+        written.append(str(place))
     return {
         "task": task.name,
         "seed": seed,
@@ -86,25 +82,26 @@ def learn(
         A folder that :func:`teach` wrote, ``recordings/demonstrations`` by default; or the
         demonstrations themselves.
     out : Path, optional
-        Where the models are written, beside no others; ``recordings/models/<task>`` by default,
-        where they replace those learned before.
+        A new folder for the models; by default ``recordings/models/<task>``, ``<task>~2``, ...:
+        earlier ones stay.
     """
+    if out is not None:
+        check_free(out)
     task, taught = study.task, demonstrations_of(study, demonstrations)
     models = learn_behaviours(task, taught)
     if out is None:
-        target = paths.recordings() / "models" / task.name
-        with replaced(target) as new:
-            files = [target / file.name for file in save_models(new, models)]
+        place = paths.recordings() / "models" / task.name
+        out = numbered_folder(place, lambda new: save_models(new, models))
     else:
-        out.mkdir(parents=True, exist_ok=True)
-        files = save_models(out, models)
+        with whole_folder(out) as new:
+            save_models(new, models)
     return {
         "task": task.name,
         "components": next(iter(models.values())).components,
         "demonstrations": {name: len(trials) for name, trials in taught.items()},
         "log_likelihood": {name: float(model.history[-1]) for name, model in models.items()},
         "deviations": learned.deviations(task, models),
-        "paths": {"models": [str(file) for file in files]},
+        "paths": {"models": [str(file) for file in model_files(out).values()]},
     }
 
 

@@ -11,8 +11,8 @@ from tpsim.study.study import Study
 from tpsim.study.teaching import demonstrations_of
 from tpsim.task.task import draw_situation
 from tpsim.task.verbs import Taught, learn
-from tpsim.threads import one_thread
 from tpsim.world.people.push import Push
+from tpsim.world.threads import one_thread
 
 
 def reproduce(

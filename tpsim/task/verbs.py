@@ -6,12 +6,12 @@ from tpsim.errors import ArgumentError
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.task.check import check
 from tpsim.task.task import Models, Situation, Task, demonstration
-from tpsim.threads import one_thread
 from tpsim.world.episode import Person
 from tpsim.world.impedance import Controller
 from tpsim.world.plant import NOMINAL, Plant
 from tpsim.world.rollout import rollout
 from tpsim.world.teaching import teach as teach_lessons
+from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 
 Taught = Mapping[str, Sequence[Trial]]

@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from tpsim.errors import ArgumentError
-from tpsim.threads import one_thread
 from tpsim.world.episode import Episode, Person
 from tpsim.world.impedance import Controller, Drive
 from tpsim.world.log import Log
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.plant import NOMINAL, Plant
+from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
 

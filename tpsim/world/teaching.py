@@ -8,10 +8,10 @@ import numpy as np
 
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.robot.robot import Robot
-from tpsim.threads import one_thread
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.guide import Guide
 from tpsim.world.rollout import rollout
+from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 from tpsim.world.weightless import Weightless
 from tpsim.world.world import World

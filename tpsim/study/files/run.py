@@ -19,12 +19,11 @@ from tpsim.study.files.about import TaskFile
 from tpsim.study.files.checked import from_json, plain, to_json
 from tpsim.study.files.inside import checksum, inside, read_text_inside
 from tpsim.study.files.models_file import load_models, model_files, save_models
-from tpsim.study.files.run_file import UNITS, RunFile, Whole, git_commit, now
+from tpsim.study.files.run_file import UNITS, RunFile, Whole, environment, git_commit, now
 from tpsim.study.files.scene import SCENE, read_world, write_world
 from tpsim.study.files.trial_file import SCHEMA, load_trial, save_trial
 from tpsim.study.study import Study
 from tpsim.task.task import Models
-from tpsim.versions import environment
 from tpsim.whole import write_text
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
@@ -114,7 +113,7 @@ class Run:
             raise RecordingError(f"a trial between others is missing in {self.folder}")
         whole = Whole(len(files), _checksums(self.folder), now())
         done = replace(self.file, whole=whole)
-        write_text(self.folder / _FILE, _text(done))
+        write_text(self.folder / _FILE, _text(done), replace=True)
         return Run(self.folder, done)
 
 

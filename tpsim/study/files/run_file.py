@@ -7,6 +7,8 @@ from pathlib import Path
 
 from tpsim.robot.description import Description
 from tpsim.study.files.about import TaskFile
+from tpsim.versions import versions
+from tpsim.world.threads import linear_algebra, one_thread
 
 UNITS = {
     "time": "s",
@@ -90,6 +92,12 @@ class RunFile:
     sites: tuple[str, ...]
     units: dict[str, str]
     whole: Whole | None = None
+
+
+def environment() -> dict[str, str | None]:
+    """What the bits of a result depend on, besides the code that is run."""
+    with one_thread():
+        return versions(("tpsim", "numpy", "scipy", "mujoco", "pin")) | {"blas": linear_algebra()}
 
 
 def now() -> str:

@@ -30,8 +30,6 @@ def save_trial(path: Path, trial: Trial) -> Path:
         made of plain values.
     """
     path = Path(path)
-    if path.exists():
-        raise RecordingError(f"{path} exists; recordings are never overwritten")
     _check(trial, path)
     members = dict(sorted(trial.arrays.items())) | {
         "schema": np.array(SCHEMA),

@@ -13,9 +13,9 @@ from threadpoolctl import threadpool_info, threadpool_limits
 import tpsim
 from tpsim import fit_tp_gmm, lab
 from tpsim.study.reference import load_study
-from tpsim.threads import linear_algebra, one_thread
+from tpsim.world.threads import linear_algebra, one_thread
 
-TOY = Path(__file__).parent / "study" / "toy.py"
+TOY = Path(__file__).parents[1] / "study" / "toy.py"
 SCRIPT = """
 import locale, sys
 from pathlib import Path
@@ -78,7 +78,7 @@ def test_teacher_fit_and_controller_see_one_thread():
         taught = lab.teach(task, 1)
         models = lab.learn(task, {"bring": taught["bring"] * 2})
         lab.perform(task, models, lab.draw_situation(task, 0, 0))
-    assert seen == dict.fromkeys(("lesson", "fit", "controller"), {1})
+    assert seen == {key: {1} for key in ("lesson", "fit", "controller")}
 
 
 def test_a_run_has_the_same_bytes_in_any_environment(tmp_path):

@@ -15,7 +15,7 @@ from tpsim.errors import RenderingError
 from tpsim.film import rendering
 from tpsim.film.video import film as write_film
 from tpsim.study import clips, figures, learned, series
-from tpsim.study.files.run import Run
+from tpsim.study.files.run import DEMONSTRATIONS, Run
 from tpsim.study.measure import Result
 from tpsim.study.record import Records
 from tpsim.study.recording import Answer, open_folder, record_all, say
@@ -70,7 +70,7 @@ def run(
     with removed_if_nothing_came(opened.folder):
         taught = taught_all(study, task.demonstrations, plan.seed, workers)
     for behaviour, trials in taught.items():
-        where = opened.folder / "demonstrations" / behaviour
+        where = opened.folder / DEMONSTRATIONS / behaviour
         write_demonstrations(where, study, behaviour, trials, seed=plan.seed, command=command)
     models = learn(task, taught)
     opened.save_models(models)

@@ -38,7 +38,7 @@ def read_demonstrations(task: Task, folder: Path | None = None) -> Taught:
     Raises
     ------
     RecordingError
-        If some are missing, or show another robot.
+        If some are missing, were interrupted or changed, or show another robot.
     """
     taught = {}
     for behaviour in task.behaviours():
@@ -48,7 +48,7 @@ def read_demonstrations(task: Task, folder: Path | None = None) -> Taught:
                 f"there are no demonstrations of '{behaviour}' in {where}; record some with "
                 "tpsim teach, and name the folder that it was given"
             )
-        run = load_run(where)
+        run = load_run(where).check()
         if run.file.robot.joints != task.stage.robot.joints:
             raise RecordingError(
                 f"{where} shows a robot with joints {', '.join(run.file.robot.joints)}; task "

@@ -116,8 +116,8 @@ def test_a_task_with_a_field_that_is_no_value_is_refused_before_anything_is_writ
         (None, r"there is no file .*run.json"),
         ('{"command": ', "run.json is no JSON"),
         ("[]", "run.json: Expected `object`"),
-        ('{"schema": 1}', "schema 1, this tpsim reads 2"),
-        ('{"schema": 2}', "run.json: Object missing required field `command`"),
+        ('{"schema": 1}', "schema 1, this tpsim reads 3"),
+        ('{"schema": 3}', "run.json: Object missing required field `command`"),
         ("\xff", "is no text"),
     ],
 )

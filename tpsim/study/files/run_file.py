@@ -10,6 +10,9 @@ from tpsim.study.files.about import TaskFile
 from tpsim.versions import versions
 from tpsim.world.threads import linear_algebra, one_thread
 
+SCHEMA = 3
+"""Version of the layout of ``run.json``."""
+
 UNITS = {
     "time": "s",
     "q": "rad",
@@ -35,14 +38,17 @@ class Whole:
     ----------
     trials : int
         Number of trials in the folder.
-    models : dict of str to str
-        SHA-256 of every model's file, by behaviour.
+    files : dict of str to str
+        SHA-256 of every trial and model, and of what ``demonstrations/`` say of themselves.
+    record : str
+        SHA-256 of all else in ``run.json``.
     finished : str
         When.
     """
 
     trials: int
-    models: dict[str, str]
+    files: dict[str, str]
+    record: str
     finished: str
 
 

@@ -15,7 +15,7 @@ from tpsim.study.files.checked import from_json, to_json
 from tpsim.world.trial import Channels, Trial
 
 SCHEMA = 2
-"""Version of the layout of trials and run folders."""
+"""Version of the layout of trials."""
 
 _TEXT = ("outcome", "channels", "about")
 

@@ -101,7 +101,7 @@ class Learn(Learning):
         """Fit the models and say what was learned."""
         from tpsim.study import teaching
 
-        return teaching.learn(study, self.demonstrations, out=self.folder)
+        return teaching.learn(study, self.source(), out=self.folder)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,7 +122,7 @@ class Reproduce(Learning, SeededCommand):
 
         return trying.reproduce(
             study,
-            self.demonstrations,
+            self.source(),
             situation=self.situation,
             seed=self.seed,
             folder=self.folder,
@@ -158,7 +158,7 @@ class Push(Reproduce):
 
         return trying.push(
             study,
-            self.demonstrations,
+            self.source(),
             force=self.force,
             start=self.start,
             duration=self.duration,

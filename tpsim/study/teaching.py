@@ -7,17 +7,21 @@ from pathlib import Path
 from tpsim import paths
 from tpsim.study import learned
 from tpsim.study.files.models_file import model_files, save_models
+from tpsim.study.files.run import DEMONSTRATIONS, Run
 from tpsim.study.recording import Answer, say
 from tpsim.study.study import Study
 from tpsim.study.teaching_files import add_demonstrations, check_place, read_demonstrations
 from tpsim.study.workers import Workers
-from tpsim.task.task import Task
+from tpsim.task.task import Models, Task
 from tpsim.task.verbs import Taught
 from tpsim.task.verbs import learn as learn_behaviours
 from tpsim.task.verbs import teach as teach_behaviours
 from tpsim.whole import check_free, numbered_folder, whole_folder
 from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
+
+Source = Path | Run | Taught
+"""Where demonstrations, or models, come from."""
 
 
 @one_thread()
@@ -70,17 +74,15 @@ def teach(
 
 
 @one_thread()
-def learn(
-    study: Study, demonstrations: Path | Taught | None = None, out: Path | None = None
-) -> Answer:
+def learn(study: Study, demonstrations: Source | None = None, out: Path | None = None) -> Answer:
     """Learn every behaviour of a study's task, and say what was learned.
 
     Parameters
     ----------
     study : Study
-    demonstrations : Path or mapping of str to sequence of Trial, optional
-        A folder that :func:`teach` wrote, ``recordings/demonstrations`` by default; or the
-        demonstrations themselves.
+    demonstrations : Path, Run or mapping of str to sequence of Trial, optional
+        A folder that :func:`teach` wrote, ``recordings/demonstrations`` by default; a run, whose
+        own are taken; or the demonstrations themselves.
     out : Path, optional
         A new folder for the models; by default ``recordings/models/<task>``, ``<task>~2``, ...:
         earlier ones stay.
@@ -105,9 +107,21 @@ def learn(
     }
 
 
-def demonstrations_of(study: Study, given: Path | Taught | None) -> Taught:
-    """Demonstrations as they are, or out of the folder that holds them."""
-    return given if isinstance(given, Mapping) else read_demonstrations(study.task, given)
+def demonstrations_of(study: Study, given: Source | None) -> Taught:
+    """Demonstrations as they are, or out of the folder or run that holds them."""
+    if isinstance(given, Mapping):
+        return given
+    where = given.check().folder / DEMONSTRATIONS if isinstance(given, Run) else given
+    return read_demonstrations(study.task, where)
+
+
+def models_of(study: Study, given: Source | None) -> Models:
+    """The models of a run, where one is given that has them all; else learned."""
+    if isinstance(given, Run):
+        models = given.check().models
+        if study.task.behaviours().keys() <= models.keys():
+            return models
+    return learn_behaviours(study.task, demonstrations_of(study, given))
 
 
 def taught_all(study: Study, count: int, seed: int, workers: int = 1) -> dict[str, list[Trial]]:

@@ -49,6 +49,8 @@ def read_demonstrations(task: Task, folder: Path | None = None) -> Taught:
                 "tpsim teach, and name the folder that it was given"
             )
         run = load_run(where).check()
+        if run.file.whole is None:
+            raise RecordingError(f"teaching was interrupted in {where}; teach it again")
         if run.file.robot.joints != task.stage.robot.joints:
             raise RecordingError(
                 f"{where} shows a robot with joints {', '.join(run.file.robot.joints)}; task "

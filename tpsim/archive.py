@@ -12,7 +12,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from tpsim.errors import ArgumentError, RecordingError
+from tpsim.errors import ArgumentError, RecordingError, in_one_line
 from tpsim.npz import read_members, write_members
 
 SCHEMA = 1
@@ -71,8 +71,9 @@ def load(path: str | Path) -> Stored:
         )
     try:
         found = _unpacked("", arrays)
-    except (ArgumentError, KeyError, TypeError, ValueError, AttributeError) as error:
-        raise RecordingError(f"{path} is damaged ({error})") from error
+    # Constructors are given whatever stands there, and raise about anything.
+    except Exception as error:
+        raise RecordingError(f"{path} is damaged ({in_one_line(error)})") from error
     if not isinstance(found, Stored):
         raise RecordingError(f"{path} holds a {type(found).__name__}, which does not stand alone")
     return found

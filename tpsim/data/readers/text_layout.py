@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from tpsim.data.foreign import opened
+from tpsim.data.foreign import check_size, opened
 from tpsim.errors import RecordingError
 
 _MARKS = ("#", "%", "//")
@@ -46,6 +46,10 @@ class Written:
         return f"c{column}" if self.headings is None else self.headings[column]
 
 
+WIDEST = 2**20
+"""Most letters in a line: tables have many rows, not many columns."""
+
+
 def written(path: Path) -> Written:
     """Look at the first lines: comments, at most one line of headings, then numbers.
 
@@ -61,6 +65,8 @@ def written(path: Path) -> Written:
         if not content:
             continue
         separator = next((mark for mark in ("\t", ";", ",") if mark in content), None)
+        if len(content) > WIDEST:
+            raise RecordingError(f"{path}: line {i} has {len(content)} letters, at most {WIDEST}")
         numbers = [_may_be_number(field, separator) for field in fields_of(content, separator)]
         few = sum(numbers) * 2 <= len(numbers)
         if any(numbers) and (heading is not None or numbers[0] or not few):
@@ -129,6 +135,7 @@ def _with_points(rows: str, separator: str | None) -> str:
 
 def _decoded(path: Path) -> str:
     with opened(path, "text file"):
+        check_size(path, path.stat().st_size // 8)
         raw = path.read_bytes()
     if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
         with opened(path, "text file"):

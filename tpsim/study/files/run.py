@@ -27,7 +27,7 @@ from tpsim.study.files.inside import (
 )
 from tpsim.study.files.models_file import load_models, model_files, save_models
 from tpsim.study.files.run_file import SCHEMA, UNITS, RunFile, Whole, environment, git_commit, now
-from tpsim.study.files.scene import SCENE, read_world, write_world
+from tpsim.study.files.scene import ASSETS, SCENE, read_world, write_world
 from tpsim.study.files.trial_file import load_trial, save_trial
 from tpsim.study.study import Study
 from tpsim.task.task import Models
@@ -278,8 +278,11 @@ def _record(file: RunFile) -> str:
 
 def _checksums(folder: Path) -> dict[str, str]:
     names = [file.name for kind in ("trial-*.npz", "model-*.npz") for file in folder.glob(kind)]
+    sums = {SCENE: checksum_inside(folder, SCENE, limits.TEXT)}
+    for file in sorted((folder / ASSETS).glob("*")):
+        sums[f"{ASSETS}/{file.name}"] = checksum_inside(folder / ASSETS, file.name, limits.ASSETS)
     taught = [file.parent for file in folder.glob(f"{DEMONSTRATIONS}/*/{_FILE}")]
-    sums = {name: checksum_inside(folder, name, npz.BYTES) for name in sorted(names)}
+    sums |= {name: checksum_inside(folder, name, npz.BYTES) for name in sorted(names)}
     for shown in sorted(taught):
         inside_folder(folder, shown)
         name = shown.relative_to(folder).as_posix()

@@ -39,7 +39,8 @@ class Whole:
     trials : int
         Number of trials in the folder.
     files : dict of str to str
-        SHA-256 of every trial and model, and of what ``demonstrations/`` say of themselves.
+        SHA-256 of scene, assets, trials and models, and of what ``demonstrations/`` say of
+        themselves.
     record : str
         SHA-256 of all else in ``run.json``.
     finished : str

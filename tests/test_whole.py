@@ -70,6 +70,21 @@ def test_a_folder_that_was_made_meanwhile_stays(tmp_path):
     assert [path.name for path in tmp_path.rglob("*")] == ["a", "theirs"]
 
 
+def test_who_is_interrupted_leaves_what_was_there(tmp_path):
+    """The old demonstrations were removed before the new had their name: a kill left neither."""
+    folder = numbered_folder(tmp_path / "bring", lambda new: (new / "old").touch())
+
+    def interrupted(new):
+        (new / "half").touch()
+        assert (folder / "old").exists()
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        numbered_folder(folder, interrupted)
+    assert [path.name for path in tmp_path.rglob("*")] == ["bring", "old"]
+    assert newest(folder) == folder
+
+
 LEARN = """
 import sys, resource
 from pathlib import Path

@@ -4,6 +4,7 @@ import errno
 import itertools
 import os
 import re
+import shutil
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -108,6 +109,16 @@ def newest(folder: Path) -> Path:
         return folder
     numbers = [int(match[1]) for name in names if (match := pattern.fullmatch(name))]
     return folder.with_name(f"{folder.name}~{max(numbers)}") if numbers else folder
+
+
+@contextmanager
+def removed_if_nothing_came(folder: Path) -> Iterator[None]:
+    """Take a new folder away again if the first thing that should fill it fails."""
+    try:
+        yield
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
 
 
 def check_free(folder: Path) -> None:

@@ -20,7 +20,8 @@ def rehash(folder: Path) -> None:
         said["assets"] = {name: _sum(folder / "assets" / name) for name in said["assets"]}
         whole = said["whole"]
         whole["files"] = {name: _sum(folder / name) for name in whole["files"]}
-        text = json.dumps({**said, "whole": None}, indent=2) + "\n"
+        whole["record"] = ""
+        text = json.dumps(said, indent=2) + "\n"
         whole["record"] = hashlib.sha256(text.encode()).hexdigest()
         text = json.dumps(said, indent=2) + "\n"
     except (ValueError, TypeError, KeyError, AttributeError, OSError, RecursionError):

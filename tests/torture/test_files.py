@@ -42,6 +42,7 @@ def try_all(tmp_path, request, record_testsuite_property):
         ledger = judge(original, cases, use, tmp_path / "space", silent=silent, every=every)
         print(f"\n{request.node.name}: {ledger}")
         record_testsuite_property(request.node.name, str(ledger))
+        print("\n".join(ledger.failures))
         assert ledger.failures == []
         assert not extent or ledger.counts["refused"] > ledger.counts.total() / 4
         return ledger

@@ -1,11 +1,9 @@
 """The verb run: the whole job of a study, from teaching to its report."""
 
 import inspect
-import shutil
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from dataclasses import asdict
 from pathlib import Path
 
@@ -24,6 +22,7 @@ from tpsim.study.study import Lab, Plan, Study
 from tpsim.study.teaching import taught_all
 from tpsim.study.teaching_files import write_demonstrations
 from tpsim.task.verbs import learn
+from tpsim.whole import removed_if_nothing_came
 from tpsim.world.threads import one_thread
 
 
@@ -94,16 +93,6 @@ def run(
             "film": None if film is None else str(film),
         },
     }
-
-
-@contextmanager
-def removed_if_nothing_came(folder: Path) -> Iterator[None]:
-    """Take a new run folder away again if the first thing that should fill it fails."""
-    try:
-        yield
-    except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise
 
 
 def _experiment(run: Run, lab: Lab, plan: Plan, workers: int, progress: bool) -> Records:

@@ -31,7 +31,7 @@ from tpsim.study.files.scene import ASSETS, SCENE, read_world, write_world
 from tpsim.study.files.trial_file import load_trial, save_trial
 from tpsim.study.study import Study
 from tpsim.task.task import Models
-from tpsim.whole import write_text
+from tpsim.whole import removed_if_nothing_came, write_text
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
 
@@ -123,7 +123,7 @@ class Run:
         now = _checksums(self.folder)
         names = sorted(now.keys() | whole.files.keys())
         changed = [name for name in names if now.get(name) != whole.files.get(name)]
-        return changed if _record(self.file) == whole.record else [_FILE, *changed]
+        return changed if _sealed(self.file, whole) == self.file else [_FILE, *changed]
 
     def check(self) -> "Run":
         """Raise RecordingError if anything was changed since the run came to its end."""
@@ -150,8 +150,7 @@ class Run:
             raise RecordingError(f"{self.folder} was finished before")
         if files != tuple(self.path(index) for index in range(len(files))):
             raise RecordingError(f"a trial between others is missing in {self.folder}")
-        whole = Whole(len(files), _checksums(self.folder), _record(self.file), now())
-        done = replace(self.file, whole=whole)
+        done = _sealed(self.file, Whole(len(files), _checksums(self.folder), "", now()))
         write_text(self.folder / _FILE, _text(done), replace=True)
         return Run(self.folder, done)
 
@@ -210,23 +209,24 @@ def open_run(
     task, settings = TaskFile.of(study), plain(dict(configuration))
     assert isinstance(settings, dict)
     _claim(folder)
-    scene, assets = write_world(folder, world)
-    file = RunFile(
-        SCHEMA,
-        command,
-        settings,
-        seed,
-        now(),
-        git_commit(),
-        environment(),
-        task,
-        world.description,
-        scene,
-        assets,
-        tuple(world.model.site(i).name for i in range(world.model.nsite)),
-        UNITS,
-    )
-    write_text(folder / _FILE, _text(file))
+    with removed_if_nothing_came(folder):
+        scene, assets = write_world(folder, world)
+        file = RunFile(
+            SCHEMA,
+            command,
+            settings,
+            seed,
+            now(),
+            git_commit(),
+            environment(),
+            task,
+            world.description,
+            scene,
+            assets,
+            tuple(world.model.site(i).name for i in range(world.model.nsite)),
+            UNITS,
+        )
+        write_text(folder / _FILE, _text(file))
     return Run(folder, file)
 
 
@@ -272,8 +272,10 @@ def _text(file: RunFile) -> str:
     return to_json(file, indent=2) + "\n"
 
 
-def _record(file: RunFile) -> str:
-    return checksum(_text(replace(file, whole=None)).encode())
+def _sealed(file: RunFile, whole: Whole) -> RunFile:
+    """What run.json says, with the checksum of it."""
+    blank = replace(file, whole=replace(whole, record=""))
+    return replace(file, whole=replace(whole, record=checksum(_text(blank).encode())))
 
 
 def _checksums(folder: Path) -> dict[str, str]:

@@ -42,7 +42,7 @@ class Whole:
         SHA-256 of scene, assets, trials and models, and of what ``demonstrations/`` say of
         themselves.
     record : str
-        SHA-256 of all else in ``run.json``.
+        SHA-256 of ``run.json`` with nothing in this place.
     finished : str
         When.
     """

@@ -47,7 +47,6 @@ def judge(
     space: Path,
     *,
     silent: bool = False,
-    every: int = 1,
 ) -> Ledger:
     """Damage copies of a folder, one after the other, and use each.
 
@@ -60,13 +59,9 @@ def judge(
         Where the copies are.
     silent : bool
         Whether a change that nobody notices is one that nobody can notice.
-    every : int
-        Only every so many-th case.
     """
     ledger, before = Ledger(), _digest(original)
-    for number, (what, change) in enumerate(cases):
-        if number % every:
-            continue
+    for what, change in cases:
         shutil.rmtree(space, ignore_errors=True)
         space.mkdir()
         copy = space / "copy" / original.name

@@ -31,6 +31,7 @@ from tpsim.robot.views.direction import Bearing, Direction
 from tpsim.robot.views.joints import Joints, Spare
 from tpsim.robot.views.sites import Object, Site, SiteView
 from tpsim.robot.views.view import Beneath, Offset, Part, View
+from tpsim.study.files import limits
 from tpsim.study.files.checked import from_json, to_json
 from tpsim.study.files.inside import checksum, read_inside, read_text_inside
 from tpsim.whole import check_free, whole_folder, write_bytes, write_text
@@ -112,7 +113,7 @@ def read(folder: Path, views: Sequence[type[View]] = ()) -> tuple[Content, Robot
     where = folder / POLICY
     if not where.is_file():
         raise RecordingError(f"{folder} holds no policy; give a folder that tpsim export wrote")
-    about = from_json(read_text_inside(folder, POLICY, _MOST), dict, where)
+    about = from_json(read_text_inside(folder, POLICY, limits.TEXT), dict, where)
     if about.get("schema") != SCHEMA:
         raise RecordingError(f"{where} is of schema {about.get('schema')}; this is {SCHEMA}")
     if checksum(read_inside(folder, ARRAYS, _MOST)) != about.get("arrays"):

@@ -46,8 +46,8 @@ class Written:
         return f"c{column}" if self.headings is None else self.headings[column]
 
 
-WIDEST = 2**20
-"""Most letters in a line: tables have many rows, not many columns."""
+COLUMNS = 4096
+"""Most columns of a table."""
 
 
 def written(path: Path) -> Written:
@@ -65,9 +65,10 @@ def written(path: Path) -> Written:
         if not content:
             continue
         separator = next((mark for mark in ("\t", ";", ",") if mark in content), None)
-        if len(content) > WIDEST:
-            raise RecordingError(f"{path}: line {i} has {len(content)} letters, at most {WIDEST}")
-        numbers = [_may_be_number(field, separator) for field in fields_of(content, separator)]
+        fields = fields_of(content, separator)
+        if len(fields) > COLUMNS:
+            raise RecordingError(f"{path}: line {i} has {len(fields)} columns, at most {COLUMNS}")
+        numbers = [_may_be_number(field, separator) for field in fields]
         few = sum(numbers) * 2 <= len(numbers)
         if any(numbers) and (heading is not None or numbers[0] or not few):
             headings = _headings(heading, separator)

@@ -12,7 +12,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from tpsim.errors import ArgumentError, RecordingError
+from tpsim.errors import ArgumentError, RecordingError, in_one_line
 from tpsim.npz import read_members, write_members
 
 SCHEMA = 1
@@ -35,7 +35,10 @@ class Stored(Part):
     """Base of the values and models that have ``save`` and ``load``."""
 
     def save(self, path: str | Path) -> Path:
-        """Write to an .npz archive, whole or not at all, without pickles."""
+        """Write to a new .npz archive, whole or not at all, without pickles.
+
+        RecordingError where there is such a file: nothing is overwritten.
+        """
         return save_arrays(path, _packed("", self))
 
     @classmethod
@@ -68,8 +71,9 @@ def load(path: str | Path) -> Stored:
         )
     try:
         found = _unpacked("", arrays)
-    except (ArgumentError, KeyError, TypeError, ValueError, AttributeError) as error:
-        raise RecordingError(f"{path} is damaged ({error})") from error
+    # Constructors are given whatever stands there, and raise about anything.
+    except Exception as error:
+        raise RecordingError(f"{path} is damaged ({in_one_line(error)})") from error
     if not isinstance(found, Stored):
         raise RecordingError(f"{path} holds a {type(found).__name__}, which does not stand alone")
     return found

@@ -21,5 +21,11 @@ class RenderingError(TpsimError):
     """No offscreen renderer works here; the message names the packages to install."""
 
 
+def in_one_line(error: BaseException, most: int = 300) -> str:
+    """What an error says, or its kind if nothing, in one line of at most so many characters."""
+    line = " ".join(str(error).split()) or type(error).__name__
+    return line if len(line) <= most else f"{line[: most - 3]}..."
+
+
 class DataWarning(UserWarning):
     """Data were mended or look wrong: the message says which, where and how to be explicit."""

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, SupportsFloat, TypedDict
 
 from tpsim import paths
 from tpsim.errors import ArgumentError, TpsimError
+from tpsim.world.threads import one_thread
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -159,6 +160,7 @@ def present(script: str, main: Main, draw: Draw) -> None:
     print(f"\npicture: {result['picture']}")
 
 
+@one_thread()
 def _result(
     script: Path, main: Main, draw: Draw, start: float, folder_: Path | None, show: bool
 ) -> Result:

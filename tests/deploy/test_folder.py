@@ -44,9 +44,10 @@ def test_what_is_no_value_is_refused():
 def test_a_folder_that_exists_is_left_alone(learned, tmp_path):
     policy = Policy(*learned("MinimalIntervention"))
     (tmp_path / "there").mkdir()
-    with pytest.raises(RecordingError, match="exists; give a new folder"):
+    (tmp_path / "there" / "note").touch()
+    with pytest.raises(RecordingError, match="exists and is not empty; give a new folder"):
         policy.save(tmp_path / "there")
-    assert not any((tmp_path / "there").iterdir())
+    assert [file.name for file in (tmp_path / "there").iterdir()] == ["note"]
 
 
 def test_what_fails_leaves_nothing(learned, tmp_path, monkeypatch):
@@ -56,7 +57,7 @@ def test_what_fails_leaves_nothing(learned, tmp_path, monkeypatch):
         raise OSError("disk full")
 
     monkeypatch.setattr(files, "write_text", full)
-    with pytest.raises(OSError, match="disk full"):
+    with pytest.raises(RecordingError, match="disk full"):
         policy.save(tmp_path / "new")
     assert not any(tmp_path.iterdir())
 
@@ -147,4 +148,4 @@ def test_the_command_writes_a_policy(tmp_path, capsys):
     assert answer["hands"] == ["left_hand", "right_hand"] and answer["objects"] == []
     assert Policy.load(folder).name == answer["task"] == "cup"
     assert cli.main(["export", "cup", "--folder", str(folder)]) == 1
-    assert "exists; give a new folder" in capsys.readouterr().err
+    assert "give a new folder" in capsys.readouterr().err

@@ -137,7 +137,7 @@ ALONE = {"numpy", "scipy", "pinocchio", "msgspec", "tpsim"}
 class Nothing:
     def find_spec(self, name, path=None, target=None):
         if name.partition(".")[0] in ("mujoco", "dm_control", "mink", "tyro", "matplotlib", "tqdm",
-                                      "cloudpickle", "threadpoolctl", "imageio"):
+                                      "cloudpickle", "imageio"):
             raise ImportError(name + " is not on the robot's computer")
 sys.meta_path.insert(0, Nothing())
 import numpy as np

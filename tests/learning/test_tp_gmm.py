@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from sklearn.mixture import GaussianMixture
 
 from tpsim import MFA, TPGMM, Demonstration, Frame, Gaussian, fit_gmm, fit_tp_gmm
-from tpsim.bench.timing import one_core
 from tpsim.errors import ArgumentError, TpsimError
 from tpsim.examples import u_demonstrations, u_frames
+from tpsim.world.threads import one_thread
 
 PRODUCT = np.load(Path(__file__).parents[1] / "reference" / "product.npz")
 
@@ -334,7 +334,7 @@ def least_seconds(run, repeat):
         run()
         return time.process_time() - start
 
-    with one_core():
+    with one_thread():
         return min(once() for _ in range(repeat))
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from tpsim import Demonstration, Frame
 from tpsim.cli.main import main
-from tpsim.errors import ArgumentError
+from tpsim.errors import ArgumentError, RecordingError
 from tpsim.examples import u_demonstrations
 from tpsim.section8 import METHODS, compare, compare_left_out
 from tpsim.section8.left_out import leave_one_out
@@ -82,15 +82,23 @@ def test_goes_on_where_it_was_cut_off(compared, monkeypatch):
     assert len(cells) == len(SMALL.cells())
     kept = Trial.load(cells[2], _key_of(cells[2]))
     cells[0].unlink()
-    cells[1].write_bytes(cells[1].read_bytes()[:100])
+    cells[1].unlink()
     done = []
     monkeypatch.setattr(
         "tpsim.section8.run.perform_cell", lambda plan, methods, cell: done.append(cell) or kept
     )
     run(SMALL, METHODS_HERE, folder)
     assert len(done) == 2
+    for wrong in (cells[2].read_bytes(), cells[1].read_bytes()[:100]):
+        cells[1].write_bytes(wrong)
+        with pytest.raises(RecordingError, match=f"{cells[1].name}.*delete it"):
+            run(SMALL, METHODS_HERE, folder)
+    cells[1].unlink()
+    run(SMALL, METHODS_HERE, folder)
+    assert len(done) == 3
     run(SMALL, {**METHODS_HERE, "TP-LWR": METHODS["TP-GP"]}, folder)
-    assert len(done) == 2 + len(SMALL.cells())
+    assert len(done) == 3 + len(SMALL.cells())
+    assert len(list((folder / "cells").iterdir())) == 2 * len(SMALL.cells())
 
 
 def _key_of(path):

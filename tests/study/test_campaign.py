@@ -135,7 +135,7 @@ def test_taught_demonstrations_are_learned_from_their_folder(toy, tmp_path, caps
     assert list(spread) == ["shoulder [rad]", "elbow [rad]"]
     variances = fresh.frames[1].covariance[0].diagonal()
     np.testing.assert_allclose(list(spread.values()), np.sqrt(variances))
-    with pytest.raises(RecordingError, match="exists; give a new folder"):
+    with pytest.raises(RecordingError, match="exists and is not empty; give a new folder"):
         teaching.teach(toy, 2, folder=tmp_path / "shown")
 
 

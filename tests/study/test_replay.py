@@ -12,10 +12,13 @@ from tpsim.study.files.trial_file import load_trial, save_trial
 from tpsim.study.replay import replay
 
 WHOLE = {
+    "verdict": "all 4 trials came out again, bit for bit",
+    "repeats": True,
     "trials": 4,
     "identical": 4,
     "whole": True,
     "missing": [],
+    "changed": [],
     "different": [],
     "largest_difference": 0.0,
     "other_versions": [],
@@ -44,7 +47,8 @@ def test_demonstrations_are_shown_again(tmp_path, toy, taught):
     run = open_run(tmp_path / "bring", study=toy, command="", configuration={}, seed=0)
     for index, trial in enumerate(taught["bring"]):
         run.save(index, trial)
-    assert replay(run.finish(), toy) == {**WHOLE, "trials": 3, "identical": 3}
+    result = replay(run.finish(), toy)
+    assert (result["repeats"], result["trials"], result["identical"]) == (True, 3, 3)
     tamper(run, 1, lambda trial: trial.with_about(attempt=7))
     result = replay(load_run(run.folder), toy)
     assert result["different"] == ["trial-000001.npz"]
@@ -60,7 +64,9 @@ def test_a_difference_is_measured_and_named(recorded, toy):
     tamper(recorded, 1, moved)
     tamper(recorded, 2, lambda trial: trial.with_about("contact"))
     result = replay(recorded, toy)
-    assert result["identical"] == 2
+    assert (result["repeats"], result["identical"]) == (False, 2)
+    assert result["changed"] == result["different"]
+    assert result["verdict"].startswith("2 of 4 trials differ; trial-000001.npz, trial-000002.npz")
     assert result["different"] == ["trial-000001.npz", "trial-000002.npz"]
     assert result["largest_difference"] == pytest.approx(1e-3)
 
@@ -71,12 +77,33 @@ def test_what_is_missing_is_said(recorded, toy):
     result = replay(recorded, toy)
     assert result["missing"] == ["trial-000001.npz", "trial-000003.npz"]
     assert (result["trials"], result["identical"], result["whole"]) == (2, 2, True)
+    assert not result["repeats"] and "2 files are missing" in result["verdict"]
+
+
+def test_a_changed_seed_and_a_swapped_trial_are_noticed(recorded, toy, trials):
+    """What says of itself that it is whole is compared with what it was, not only performed."""
+    said = plain(recorded.file)
+    (recorded.folder / "run.json").write_text(json.dumps({**said, "command": "other"}))
+    result = replay(load_run(recorded.folder), toy)
+    assert (result["repeats"], result["changed"]) == (False, ["run.json"])
+    (recorded.folder / "run.json").write_text(json.dumps({**said, "seed": 1}))
+    with pytest.raises(RecordingError, match=r"trial-000000.npz is of another seed than the 1 of"):
+        replay(load_run(recorded.folder), toy)
+    (recorded.folder / "run.json").write_text(json.dumps(said))
+    tamper(recorded, 1, lambda _: trials[0])  # repeats, but is not what was there
+    result = replay(load_run(recorded.folder), toy)
+    assert (result["repeats"], result["different"]) == (False, [])
+    assert result["verdict"] == "trial-000001.npz changed after the run"
+    with pytest.raises(RecordingError, match=r"trial-000001.npz in .*: changed after the run"):
+        load_run(recorded.folder).check()
 
 
 def test_an_interrupted_run_is_not_whole(recorded, toy):
     said = plain(replace(recorded.file, whole=None))
     (recorded.folder / "run.json").write_text(json.dumps(said))
-    assert replay(load_run(recorded.folder), toy) == {**WHOLE, "whole": False}
+    result = replay(load_run(recorded.folder), toy)
+    assert (result["repeats"], result["whole"], result["identical"]) == (False, False, 4)
+    assert result["verdict"] == "the run was interrupted before its end"
     for file in recorded.files():
         file.unlink()
     with pytest.raises(RecordingError, match="holds no trials"):

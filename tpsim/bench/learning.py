@@ -6,11 +6,12 @@ from functools import partial
 
 import numpy as np
 
-from tpsim.bench.timing import median_time, one_core
+from tpsim.bench.timing import median_time
 from tpsim.frame import Frame
 from tpsim.learning.gmm import fit_gmm
 from tpsim.learning.subspace import MFA
 from tpsim.learning.tp_gmm import fit_tp_gmm
+from tpsim.world.threads import one_thread
 
 COMPONENTS = 5
 
@@ -33,7 +34,7 @@ def run(quick: bool = False) -> dict[str, float]:
         2000, divided by the ratio of their numbers (linear: 1). scikit-learn's entries are
         missing where it is not installed.
     """
-    with one_core():
+    with one_thread():
         return _run(quick, 3 if quick else 15)
 
 

@@ -10,7 +10,7 @@ from time import perf_counter, process_time
 import mujoco
 import numpy as np
 
-from tpsim.bench.timing import one_core, processor_time
+from tpsim.bench.timing import processor_time
 from tpsim.film import rendering
 from tpsim.film.clip import Clip
 from tpsim.film.video import film
@@ -19,6 +19,7 @@ from tpsim.task.environment import environment
 from tpsim.task.task import Models, Task, draw_situation
 from tpsim.task.verbs import Taught, learn, perform, teach
 from tpsim.tasks import STUDIES
+from tpsim.world.threads import one_thread
 
 FPS = 25
 """Pictures of a film in a second."""
@@ -52,7 +53,7 @@ def run(quick: bool = False, names: Sequence[str] = tuple(STUDIES)) -> dict[str,
     repetitions = 1 if quick else 5
     figures: dict[str, float] = {}
     taught: dict[str, Taught] = {}
-    with one_core():
+    with one_thread():
         for name in names:
             task = load_study(name, STUDIES).task
             figures |= _physics(task, repetitions)

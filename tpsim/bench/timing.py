@@ -1,7 +1,6 @@
 """How the benchmarks take time."""
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
 from statistics import median
 from time import perf_counter, process_time
 
@@ -22,12 +21,3 @@ def median_time(
 def processor_time(call: Callable[[], object], repetitions: int) -> float:
     """Median processor time of a call [s], after one call that does not count."""
     return median_time(call, repetitions, process_time)
-
-
-def one_core() -> AbstractContextManager:
-    """Keep linear algebra on one core, where threadpoolctl (of scikit-learn) is installed."""
-    try:
-        from threadpoolctl import threadpool_limits
-    except ImportError:
-        return nullcontext()
-    return threadpool_limits(1)

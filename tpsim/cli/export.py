@@ -17,4 +17,4 @@ class Export(Learning):
         """Export."""
         from tpsim.deploy import export
 
-        return export.export(study, self.demonstrations, self.folder)
+        return export.export(study, self.source(), self.folder)

@@ -24,7 +24,6 @@ from tpsim.paths import runs
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command line; return 0 done, 1 the work failed, 2 wrong usage."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
-    os.environ.setdefault("OMP_NUM_THREADS", "1")  # small matrices: BLAS threads only hurt
     if arguments == ["--version"]:
         print(f"tpsim {version('tpsim')}")
         return 0

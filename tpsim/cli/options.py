@@ -14,6 +14,7 @@ from tpsim.errors import ArgumentError
 
 if TYPE_CHECKING:
     from tpsim.study.study import Study
+    from tpsim.study.teaching import Source
 
 Answer = Mapping[str, object]
 """What a command has to say: plain values and paths by name."""
@@ -91,14 +92,26 @@ class Learning(StudyCommand):
 
     demonstrations: Path | None = None
     """Folder that tpsim teach wrote (default: recordings/demonstrations)."""
+    run: Annotated[Path | None, arg(name="from", metavar="RUN")] = None
+    """Run folder to start from: its demonstrations, models, scene and task's fields."""
 
     def check(self) -> None:
         """Check the demonstrations' folder."""
         super().check()
+        if self.run is not None and self.demonstrations is not None:
+            raise ArgumentError("--from and --demonstrations: give one of them")
         if self.demonstrations is not None and not self.demonstrations.is_dir():
             raise ArgumentError(
                 f"--demonstrations {self.demonstrations}: give a folder that tpsim teach wrote"
             )
+
+    def source(self) -> "Source | None":
+        """What to start from."""
+        if self.run is None:
+            return self.demonstrations
+        from tpsim.study.files.run import load_run
+
+        return load_run(self.run)
 
 
 def nearest(given: str, names: Iterable[str]) -> str:

@@ -14,7 +14,15 @@ import tyro
 
 from tpsim.cli.commands import COMMANDS
 from tpsim.cli.fields import varied, with_fields
-from tpsim.cli.options import Answer, Command, Options, StudyCommand, known, nearest
+from tpsim.cli.options import (
+    Answer,
+    Command,
+    Learning,
+    Options,
+    StudyCommand,
+    known,
+    nearest,
+)
 from tpsim.cli.recordings import LearnFile
 from tpsim.errors import ArgumentError
 from tpsim.tasks import STUDIES
@@ -103,6 +111,12 @@ def _about_a_study(name: str, command: type[StudyCommand], rest: list[str], line
     from tpsim.study.reference import load_study
 
     study = load_study(first.reference, STUDIES)
+    if isinstance(first, Learning) and first.run is not None:
+        from tpsim.study.files.run import load_run
+        from tpsim.study.replay import study_of
+
+        # The fields that the run had are the defaults of the options.
+        study = study_of(load_run(first.run).check(), study)
     extended = with_fields(command, study.task)
     options = _read(extended, f"{name} {first.reference}" if asked else name, rest)
     return Call(options, line, varied(study, options))

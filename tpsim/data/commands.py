@@ -1,5 +1,6 @@
 """What the command line does with recordings: look at them, convert them, learn from them."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +18,8 @@ from tpsim.data.reading import read, recordings
 from tpsim.data.recording import Recording
 from tpsim.data.writing import write
 from tpsim.demonstration import Demonstration
-from tpsim.errors import TpsimError
+from tpsim.errors import RecordingError, TpsimError
+from tpsim.world.threads import one_thread
 
 
 def info(
@@ -74,6 +76,8 @@ def convert(
     TpsimError
         As :func:`tpsim.data.read` and :func:`tpsim.data.write`.
     """
+    if os.path.lexists(out):
+        raise RecordingError(f"{out} exists; give a new name, nothing is overwritten")
     demonstrations = read(path, columns, format=format)
     written = write(out, demonstrations)
     return {
@@ -83,6 +87,7 @@ def convert(
     }
 
 
+@one_thread()
 def learn(
     path: str | Path | Sequence[str | Path],
     frames: Sequence[str | PoseColumns] = (),
@@ -104,8 +109,8 @@ def learn(
         Objects to see the movement from; default those that the file or ``columns`` describe, else
         the movement's own ``start`` and ``end``.
     out : folder
-        Gets ``model.npz`` (:class:`tpsim.TPGMM`, whose first dimension is time), ``retrieved.csv``,
-        ``learned.png`` and ``summary.json``.
+        New or empty; gets ``model.npz`` (:class:`tpsim.TPGMM`, whose first dimension is time),
+        ``retrieved.csv``, ``learned.png`` and ``summary.json``.
     columns : Columns, optional
         What the file does not say.
     format : str, optional

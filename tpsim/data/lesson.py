@@ -16,7 +16,7 @@ from tpsim.data.writers.table import write_csv
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
-from tpsim.whole import write_bytes, write_text
+from tpsim.whole import check_free, whole_folder, write_bytes, write_text
 
 
 def learned(
@@ -31,6 +31,7 @@ def learned(
     align: bool,
 ) -> dict[str, Any]:
     """Clean, learn, retrieve, draw and save; see :func:`tpsim.data.commands.learn`."""
+    check_free(out)
     movements = prepared(demonstrations, samples=samples, trim=trim, align=align)
     choice, unseen = choose(movements, components)
     model = choice.fit(movements)
@@ -46,16 +47,18 @@ def learned(
         "error": errors_of(list(zip(movements, retrieved, strict=True)), labels),
         "left_out_error": errors_of(unseen, labels),
     }
-    paths = {
-        "model": model.save(out / "model.npz"),
-        "retrieved": write_csv(
-            out / "retrieved.csv", _as_demonstrations(movements, retrieved, labels)
-        ),
-        "plot": write_bytes(out / "learned.png", draw(movements, retrieved, labels, frames)),
-        "summary": out / "summary.json",
+    names = {
+        "model": "model.npz",
+        "retrieved": "retrieved.csv",
+        "plot": "learned.png",
+        "summary": "summary.json",
     }
-    about["paths"] = {name: str(path) for name, path in paths.items()}
-    write_text(paths["summary"], json.dumps(about, indent=2) + "\n")
+    about["paths"] = {what: str(out / name) for what, name in names.items()}
+    with whole_folder(out) as new:
+        model.save(new / names["model"])
+        write_csv(new / names["retrieved"], _as_demonstrations(movements, retrieved, labels))
+        write_bytes(new / names["plot"], draw(movements, retrieved, labels, frames))
+        write_text(new / names["summary"], json.dumps(about, indent=2) + "\n")
     return about
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from tpsim.data.build import demonstrations_of
 from tpsim.data.columns import Columns
+from tpsim.data.foreign import check_ordinary
 from tpsim.data.recording import Recording
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError, RecordingError
@@ -120,6 +121,8 @@ def format_of(path: Path) -> str | None:
 
 def _recordings(path: Path, format: str | None) -> list[Recording]:
     known = format_of(path) if format is None else format
+    if path.exists():
+        check_ordinary(path)
     if known is None:
         files = [one for one in sorted(path.iterdir()) if one.suffix.lower() in _SUFFIXES]
         if not files:

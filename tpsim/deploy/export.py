@@ -4,24 +4,25 @@ from pathlib import Path
 
 from tpsim import paths
 from tpsim.deploy.policy import Policy
-from tpsim.errors import RecordingError
 from tpsim.study.recording import Answer
 from tpsim.study.study import Study
-from tpsim.study.teaching import demonstrations_of
-from tpsim.task.verbs import Taught, learn
+from tpsim.study.teaching import Source, models_of
+from tpsim.whole import check_free
+from tpsim.world.threads import one_thread
 
 
+@one_thread()
 def export(
-    study: Study, demonstrations: Path | Taught | None = None, folder: Path | None = None
+    study: Study, demonstrations: Source | None = None, folder: Path | None = None
 ) -> Answer:
     """Learn every behaviour of a study's task, and write the policy to a new folder.
 
     Parameters
     ----------
     study : Study
-    demonstrations : Path or mapping of str to sequence of Trial, optional
-        A folder that ``tpsim teach`` wrote, ``recordings/demonstrations`` by default; or the
-        demonstrations themselves.
+    demonstrations : Path, Run or mapping of str to sequence of Trial, optional
+        A folder that ``tpsim teach`` wrote, ``recordings/demonstrations`` by default; a run, whose
+        models are taken as they are; or the demonstrations themselves.
     folder : Path, optional
         ``recordings/policies/<task>`` by default.
 
@@ -34,13 +35,12 @@ def export(
     """
     task = study.task
     target = paths.recordings() / "policies" / task.name if folder is None else folder
-    if target.exists():
-        raise RecordingError(f"{target} exists; give a new folder, policies are never overwritten")
-    taught = demonstrations_of(study, demonstrations)
-    policy = Policy(task, learn(task, taught))
+    check_free(target)
+    models = models_of(study, demonstrations)
+    policy = Policy(task, models)
     return {
         "task": task.name,
-        "demonstrations": {name: len(trials) for name, trials in taught.items()},
+        "behaviours": list(models),
         "joints": list(policy.robot.joints),
         "hands": list(policy.robot.hands),
         "objects": list(policy.objects),

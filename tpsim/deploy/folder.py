@@ -33,9 +33,10 @@ from tpsim.robot.views.direction import Bearing, Direction
 from tpsim.robot.views.joints import Joints, Spare
 from tpsim.robot.views.sites import Object, Site, SiteView
 from tpsim.robot.views.view import Beneath, Offset, Part, View
+from tpsim.study.files import limits
 from tpsim.study.files.checked import from_json, to_json
 from tpsim.study.files.inside import checksum, read_inside, read_text_inside
-from tpsim.whole import whole_folder, write_text
+from tpsim.whole import check_free, whole_folder, write_bytes, write_text
 
 if TYPE_CHECKING:
     from tpsim.world.world import World
@@ -88,10 +89,9 @@ def write(folder: Path, content: Content, robot: Robot, world: "World") -> Path:
     Raises
     ------
     RecordingError
-        If the folder exists.
+        If the folder holds something.
     """
-    if folder.exists():
-        raise RecordingError(f"{folder} exists; give a new folder, policies are never overwritten")
+    check_free(folder)
     arrays: dict = {}
     values = taken_apart(_Whole(RobotFile.of(robot.mechanism), content), arrays)
     with whole_folder(folder) as new:
@@ -100,7 +100,7 @@ def write(folder: Path, content: Content, robot: Robot, world: "World") -> Path:
         write_text(new / POLICY, to_json(about, indent=1))
         write_text(new / SCENE, world.xml)
         for name, asset in world.assets.items():
-            (new / name).write_bytes(asset)
+            write_bytes(new / name, asset)
     return folder
 
 
@@ -115,7 +115,7 @@ def read(folder: Path, views: Sequence[type[View]] = ()) -> tuple[Content, Robot
     where = folder / POLICY
     if not where.is_file():
         raise RecordingError(f"{folder} holds no policy; give a folder that tpsim export wrote")
-    about = from_json(read_text_inside(folder, POLICY, _MOST), dict, where)
+    about = from_json(read_text_inside(folder, POLICY, limits.TEXT), dict, where)
     if about.get("schema") != SCHEMA:
         raise RecordingError(f"{where} is of schema {about.get('schema')}; this is {SCHEMA}")
     if checksum(read_inside(folder, ARRAYS, _MOST)) != about.get("arrays"):

@@ -17,6 +17,7 @@ from tpsim.robot.state import State
 from tpsim.robot.views.view import View
 from tpsim.world.impedance import Controller, Drive, Impedance
 from tpsim.world.tank import Energies, Tank
+from tpsim.world.threads import one_thread
 
 if TYPE_CHECKING:
     from tpsim.task.task import Models, Situation, Task
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
 class Policy:
     """What was learned of a task, ready to drive a robot.
 
-    On the robot's computer it needs numpy, scipy, pinocchio and msgspec, and no simulator. Call
+    On the robot's computer it needs numpy, scipy, pinocchio, msgspec and threadpoolctl, and no
+    simulator. Call
     :meth:`command` or :meth:`cartesian` once every :attr:`period`.
 
     Parameters
@@ -54,6 +56,7 @@ class Policy:
         If the task's controller is not one of tpsim's, or depends on the situation.
     """
 
+    @one_thread()
     def __init__(self, task: "Task", models: "Models", situation: "Situation | None" = None):
         from tpsim.deploy.making import recipe_for
 
@@ -63,6 +66,7 @@ class Policy:
         self._world: World | None = world
 
     @classmethod
+    @one_thread()
     def load(
         cls,
         folder: str | Path,
@@ -143,6 +147,7 @@ class Policy:
         """What torques have put in, and what is left in the tank [J]."""
         return self._drive.energies
 
+    @one_thread()
     def command(
         self,
         q: ArrayLike,
@@ -170,6 +175,7 @@ class Policy:
         wanted, limit = self._drive.torque(now, state), self.robot.torque_limit
         return np.minimum(np.maximum(wanted, -limit), limit)
 
+    @one_thread()
     def cartesian(
         self,
         q: ArrayLike,

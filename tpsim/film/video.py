@@ -43,7 +43,7 @@ def film(
     if not clips:
         raise ArgumentError("no clips were given: give at least one")
     frames = [(i, sample) for i, clip in enumerate(clips) for sample in _samples(clip, fps)]
-    with whole_path(Path(path)) as unfinished:
+    with whole_path(Path(path), replace=True) as unfinished:
         writer = imageio_ffmpeg.write_frames(
             str(unfinished),
             (width, height),
@@ -79,7 +79,7 @@ def still(
 
     sample = _at(clip, np.array([time]))[0]
     (picture,) = _pictures([clip], [(0, sample)], camera, width, height, antialias=4)
-    with whole_path(Path(path)) as unfinished:
+    with whole_path(Path(path), replace=True) as unfinished:
         Image.frombytes("RGB", (width, height), picture).save(unfinished)
     return Path(path)
 

@@ -126,6 +126,6 @@ def save(figure: Figure, path: str | Path, *, dpi: float = 110) -> Path:
     path = Path(path)
     if path.suffix != ".png":
         raise ArgumentError(f"{path}: pictures are written as PNG; give a name that ends in .png")
-    with whole_path(path) as temporary:
+    with whole_path(path, replace=True) as temporary:
         figure.savefig(temporary, dpi=dpi, facecolor="white", bbox_inches="tight", pad_inches=0.08)
     return path

@@ -7,6 +7,7 @@ from pathlib import Path
 from tpsim.errors import ArgumentError
 from tpsim.section8 import pictures, tables
 from tpsim.section8.families import FAMILIES
+from tpsim.section8.folder import check_folder
 from tpsim.section8.method import Method
 from tpsim.section8.methods import METHODS, PICTURED
 from tpsim.section8.plan import Plan
@@ -15,8 +16,10 @@ from tpsim.section8.results import Results
 from tpsim.section8.run import run
 from tpsim.study.canvas import to_png
 from tpsim.whole import write_bytes, write_text
+from tpsim.world.threads import one_thread
 
 
+@one_thread()
 def compare(
     methods: Mapping[str, Method] = METHODS,
     plan: Plan | None = None,
@@ -40,7 +43,8 @@ def compare(
     seed
         Added to the seeds of the plan's teachers.
     folder
-        Where to write. What it already holds of the same plan and methods is not done again.
+        Where to write: new, empty, or of a comparison. What it already holds of the same plan and
+        methods is not done again; tables and pictures are drawn anew.
     workers
         Number of processes.
     progress
@@ -58,17 +62,20 @@ def compare(
     ------
     ArgumentError
         No method, or a plan with nothing in it.
+    RecordingError
+        A folder of something else, or results in it that are damaged.
     """
     plan = Plan() if plan is None else plan
     plan = replace(plan, seeds=tuple(seed + s for s in plan.seeds))
     _check(methods, plan)
+    check_folder(folder)
     results = Results(plan, run(plan, methods, folder, workers, progress))
     drawn = _pictures(results, methods, folder)
     main = tables.main_table(results)
     paths = {
         "folder": folder,
         "table": tables.write_csv(folder / "comparison.csv", list(results.rows())),
-        "latex": write_text(folder / "comparison.tex", tables.latex(main)),
+        "latex": write_text(folder / "comparison.tex", tables.latex(main), replace=True),
         "pictures": drawn,
         "json": folder / "comparison.json",
         "report": folder / "report.html",
@@ -99,7 +106,7 @@ def _pictures(results: Results, methods: Mapping[str, Method], folder: Path) -> 
         figures["error-against-demonstrations"] = pictures.against_demonstrations(results, far)
     paths = []
     for name, figure in figures.items():
-        paths.append(write_bytes(folder / f"{name}.png", to_png(figure, dpi=110)))
+        paths.append(write_bytes(folder / f"{name}.png", to_png(figure, dpi=110), replace=True))
     return paths
 
 

@@ -12,6 +12,7 @@ from tpsim.errors import ArgumentError
 from tpsim.retrieval.clock import on_one_clock
 from tpsim.section8 import pictures, tables
 from tpsim.section8.families import Situation
+from tpsim.section8.folder import check_folder
 from tpsim.section8.measures import FIGURES
 from tpsim.section8.method import Method
 from tpsim.section8.methods import METHODS, PICTURED
@@ -20,10 +21,12 @@ from tpsim.section8.trial import Trial, perform
 from tpsim.study.canvas import to_png
 from tpsim.study.report import Picture, Section, write_report
 from tpsim.whole import write_bytes, write_text
+from tpsim.world.threads import one_thread
 
 SHOWN = 4  # columns of the picture
 
 
+@one_thread()
 def leave_one_out(
     demonstrations: Sequence[Demonstration], methods: Mapping[str, Method] = METHODS
 ) -> list[Trial]:
@@ -55,6 +58,7 @@ def leave_one_out(
     ]
 
 
+@one_thread()
 def compare_left_out(
     demonstrations: Sequence[Demonstration],
     methods: Mapping[str, Method] = METHODS,
@@ -69,7 +73,7 @@ def compare_left_out(
     demonstrations, methods
         As for :func:`leave_one_out`.
     folder
-        Where to write.
+        Where to write: new, empty, or of an earlier comparison, whose tables are drawn anew.
     command
         The command line that repeats it, for the report.
 
@@ -79,15 +83,16 @@ def compare_left_out(
         ``methods``: figures by name, means over the demonstrations left out (``rms`` is the root
         of the mean square), and ``reason`` where one failed; ``paths`` of what was written.
     """
+    check_folder(folder)
     trials = leave_one_out(demonstrations, methods)
     summary = _summary(trials)
     rows = [{"method": name} | _row(figures) for name, figures in summary.items()]
     picture = to_png(_picture(demonstrations, methods), dpi=110)
-    drawn = write_bytes(folder / "layout.png", picture)
+    drawn = write_bytes(folder / "layout.png", picture, replace=True)
     paths = {
         "folder": folder,
         "table": tables.write_csv(folder / "comparison.csv", rows),
-        "latex": write_text(folder / "comparison.tex", tables.latex(rows)),
+        "latex": write_text(folder / "comparison.tex", tables.latex(rows), replace=True),
         "pictures": [drawn],
         "json": folder / "comparison.json",
         "report": folder / "report.html",

@@ -13,6 +13,7 @@ from tpsim.section8.families import FAMILIES
 from tpsim.section8.method import Method
 from tpsim.section8.plan import Plan
 from tpsim.section8.trial import Trial, perform
+from tpsim.world.threads import one_thread
 
 Cell = tuple[str, int, int]
 
@@ -44,11 +45,13 @@ def run(
     for cell, trial in tqdm(
         performed, "compare", len(done), initial=kept, disable=not progress, unit="cell"
     ):
-        trial.save(_file(folder, cell), plan.key(cell, methods))
+        key = plan.key(cell, methods)
+        trial.save(_file(folder, cell, key), key)
         done[cell] = trial
     return {cell: trial for cell, trial in done.items() if trial is not None}
 
 
+@one_thread()
 def perform_cell(plan: Plan, methods: Mapping[str, Method], cell: Cell) -> Trial:
     """Teach, learn and retrieve: one family, number of demonstrations and teacher."""
     name, count, seed = cell
@@ -82,7 +85,6 @@ _work: tuple[Plan, Mapping[str, Method]] | None = None
 
 def _start(plan: Plan, methods: Mapping[str, Method]) -> None:
     global _work
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
     _work = plan, methods
 
 
@@ -92,15 +94,19 @@ def _in_process(cell: Cell) -> Trial:
 
 
 def _stored(plan: Plan, methods: Mapping[str, Method], folder: Path, cell: Cell) -> Trial | None:
-    path = _file(folder, cell)
-    if not path.is_file():
+    key = plan.key(cell, methods)
+    path = _file(folder, cell, key)
+    if not os.path.lexists(path):
         return None
-    try:
-        return Trial.load(path, plan.key(cell, methods))
-    except (RecordingError, KeyError):
-        return None
+    trial = Trial.load(path, key)
+    situations = len(plan.distances) * plan.situations
+    if (trial.methods, trial.figures.shape[1]) != (tuple(methods), situations):
+        raise RecordingError(f"{path} is damaged: it is of other methods; delete it and run again")
+    return trial
 
 
-def _file(folder: Path, cell: Cell) -> Path:
+def _file(folder: Path, cell: Cell, key: str) -> Path:
+    """File of a cell; the results of other plans and methods stand beside it."""
     family, count, seed = cell
-    return folder / "cells" / f"{family.replace(' ', '-')}-{count}-demonstrations-seed-{seed}.npz"
+    name = f"{family.replace(' ', '-')}-{count}-demonstrations-seed-{seed}-{key[:8]}.npz"
+    return folder / "cells" / name

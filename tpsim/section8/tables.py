@@ -25,12 +25,14 @@ def write_csv(path: Path, rows: Sequence[Mapping[str, object]]) -> Path:
     writer.writeheader()
     for row in plain(list(rows)):
         writer.writerow({key: "" if value is None else value for key, value in row.items()})
-    return write_text(path, text.getvalue())
+    return write_text(path, text.getvalue(), replace=True)
 
 
 def write_json(path: Path, result: Mapping[str, object]) -> Path:
     """Write plain values; NaN becomes null."""
-    return write_text(path, json.dumps(plain(result), indent=1, allow_nan=False) + "\n")
+    return write_text(
+        path, json.dumps(plain(result), indent=1, allow_nan=False) + "\n", replace=True
+    )
 
 
 def short(result: Mapping[str, object]) -> dict[str, object]:

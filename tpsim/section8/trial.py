@@ -9,12 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tpsim.demonstration import Demonstration
+from tpsim.errors import RecordingError
 from tpsim.npz import read_members, write_members
 from tpsim.section8.families import Situation
 from tpsim.section8.measures import FIGURES, measure
 from tpsim.section8.method import Method, Path, Retrieve
 
 KIND = "comparison of methods"
+
+_KINDS = {
+    "methods": "U",
+    "figures": "f",
+    "train_ms": "f",
+    "adapt_us": "f",
+    "parameters": "f",
+    "reasons": "U",
+}
+"""Kinds of the arrays of a file."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,18 +66,36 @@ class Trial:
         write_members(path, {"kind": np.array(KIND), **arrays})
 
     @classmethod
-    def load(cls, path: FilePath, key: str) -> "Trial | None":
-        """Read what :meth:`save` wrote; None where it is the result of something else."""
+    def load(cls, path: FilePath, key: str) -> "Trial":
+        """Read what :meth:`save` wrote.
+
+        Raises
+        ------
+        RecordingError
+            The file is damaged, or the result of something else.
+        """
         arrays = read_members(path)
-        if str(arrays.get("kind")) != KIND or str(arrays["key"]) != key:
-            return None
+        found = {name: arrays.get(name, np.array(None)) for name in ("kind", "key", *_KINDS)}
+        m = found["methods"].size
+        shapes = {name: (m,) for name in _KINDS}
+        shapes["figures"] = (m, *found["figures"].shape[1:2], len(FIGURES))
+        wrong = [
+            name
+            for name, kind in _KINDS.items()
+            if found[name].dtype.kind != kind or found[name].shape != shapes[name]
+        ]
+        if (str(found["kind"]), str(found["key"])) != (KIND, key) or wrong:
+            raise RecordingError(
+                f"{path} is no result of this comparison ({', '.join(wrong) or 'another key'}); "
+                "delete it and run again"
+            )
         return cls(
-            tuple(map(str, arrays["methods"])),
-            arrays["figures"],
-            arrays["train_ms"],
-            arrays["adapt_us"],
-            arrays["parameters"],
-            tuple(map(str, arrays["reasons"])),
+            tuple(map(str, found["methods"])),
+            found["figures"],
+            found["train_ms"],
+            found["adapt_us"],
+            found["parameters"],
+            tuple(map(str, found["reasons"])),
         )
 
 

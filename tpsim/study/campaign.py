@@ -1,11 +1,10 @@
 """The verb run: the whole job of a study, from teaching to its report."""
 
 import inspect
-import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import asdict
 from pathlib import Path
 
@@ -15,7 +14,7 @@ from tpsim.errors import RenderingError
 from tpsim.film import rendering
 from tpsim.film.video import film as write_film
 from tpsim.study import clips, figures, fronts, learned, series, teaching
-from tpsim.study.files.run import Run
+from tpsim.study.files.run import DEMONSTRATIONS, Run
 from tpsim.study.measure import Result
 from tpsim.study.record import Records
 from tpsim.study.recording import Answer, open_folder, record_all, say
@@ -23,10 +22,13 @@ from tpsim.study.report import Section, write_report
 from tpsim.study.study import Lab, Phases, Plan, Study
 from tpsim.study.teaching_files import write_demonstrations
 from tpsim.task.verbs import learn
+from tpsim.whole import removed_if_nothing_came
+from tpsim.world.threads import one_thread
 
 Look = Callable[[Lab, Records, list[Result]], None]
 
 
+@one_thread()
 def run(
     study: Study,
     plan: Plan = Plan(),  # noqa: B008 - a frozen value
@@ -74,7 +76,7 @@ def run(
         shown = teaching.taught_all(study, task.demonstrations, plan.seed, workers)
     taught = {behaviour: found.trials for behaviour, found in shown.items()}
     for behaviour, trials in taught.items():
-        where = opened.folder / "demonstrations" / behaviour
+        where = opened.folder / DEMONSTRATIONS / behaviour
         write_demonstrations(where, study, behaviour, trials, seed=plan.seed, command=command)
     models = learn(task, taught)
     opened.save_models(models)
@@ -101,16 +103,6 @@ def run(
             "film": None if film is None else str(film),
         },
     }
-
-
-@contextmanager
-def removed_if_nothing_came(folder: Path) -> Iterator[None]:
-    """Take a new run folder away again if the first thing that should fill it fails."""
-    try:
-        yield
-    except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise
 
 
 def _experiment(run: Run, lab: Lab, plan: Plan, workers: int, progress: bool) -> Records:

@@ -5,7 +5,6 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from tpsim.errors import ArgumentError
 from tpsim.study.condition import Condition
@@ -16,16 +15,16 @@ from tpsim.study.workers import Workers
 from tpsim.task.task import Models
 from tpsim.task.verbs import perform
 from tpsim.world.teaching import demonstrate
+from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
 
 _SHOWN = 2
 
 
+@one_thread()
 def perform_condition(study: Study, models: Models, condition: Condition) -> Trial:
     """Perform one condition; ``about`` of the trial says how to do so again.
-
-    Linear algebra runs on one thread: the bits must not depend on the number of cores.
 
     Parameters
     ----------
@@ -38,11 +37,10 @@ def perform_condition(study: Study, models: Models, condition: Condition) -> Tri
     ArgumentError
         If the study has no such controller, or cannot show behaviours.
     """
-    with threadpool_limits(1):
-        if condition.shown is None:
-            trial = _perform(study, models, condition)
-        else:
-            trial = _show(study, condition)
+    if condition.shown is None:
+        trial = _perform(study, models, condition)
+    else:
+        trial = _show(study, condition)
     about = plain(Performed(condition, TaskFile.of(study)))
     assert isinstance(about, dict)
     return trial.with_about(**about)

@@ -2,22 +2,25 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from tpsim.errors import ArgumentError, RecordingError, TpsimError
 from tpsim.study.executor import perform_all
 from tpsim.study.files.about import Demonstrated, Performed, read_about, with_fields
 from tpsim.study.files.limits import check_condition
-from tpsim.study.files.run import Run
+from tpsim.study.files.run import Run, number_of
+from tpsim.study.files.run_file import environment
 from tpsim.study.reference import is_ours, load_study
 from tpsim.study.study import Study
-from tpsim.versions import versions
+from tpsim.task.task import draw_situation
 from tpsim.world.teaching import show
+from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 
 
+@one_thread()
 def replay(run: Run, study: Study | None = None, workers: int = 1) -> dict[str, object]:
     """Perform the trials of a run again and compare all signals bit for bit.
 
@@ -37,14 +40,16 @@ def replay(run: Run, study: Study | None = None, workers: int = 1) -> dict[str, 
     Returns
     -------
     dict
-        ``trials``, ``identical``, ``whole`` (whether the run came to its end), ``missing`` and
-        ``different`` (names of files), ``largest_difference`` over all signals (each in its SI
-        unit), ``other_versions`` (packages that have changed since the recording).
+        ``verdict`` in words, ``repeats`` (whether all is there, as it was, and came out again),
+        ``trials``, ``identical``, ``whole`` (whether the run came to its end), ``missing``,
+        ``changed`` since then and ``different`` now (names of files), ``largest_difference`` over
+        all signals (each in its SI unit), ``other_versions`` (what has changed since the
+        recording and may change bits).
 
     Raises
     ------
     RecordingError
-        If the folder holds no trials, or anything in it is wrong.
+        If the folder holds no trials, or anything in it contradicts the rest.
     ArgumentError
         If the study is the caller's own and was not given.
     """
@@ -66,19 +71,37 @@ def replay(run: Run, study: Study | None = None, workers: int = 1) -> dict[str, 
             f"{run.folder} cannot be performed again ({type(error).__name__}: {error}); its "
             "files do not belong together"
         ) from error
-    whole = run.file.whole
-    count = len(files) if whole is None else whole.trials
-    count = max(count, 1 + int(files[-1].stem.removeprefix("trial-")))
-    names = {file.name for file in files}
+    whole, missing = run.file.whole is not None, _missing(run)
+    changed = [name for name in run.changed() if name not in missing]
+    faults = {
+        f"{len(different)} of {len(files)} trials differ": bool(different),
+        "the run was interrupted before its end": not whole,
+        f"{len(missing)} files are missing": bool(missing),
+        f"{', '.join(changed)} changed after the run": bool(changed),
+    }
+    found = "; ".join(fault for fault, there in faults.items() if there)
     return {
+        "verdict": found or f"all {len(files)} trials came out again, bit for bit",
+        "repeats": not found,
         "trials": len(files),
         "identical": len(files) - len(different),
-        "whole": whole is not None,
-        "missing": [n for i in range(count) if (n := run.path(i).name) not in names],
+        "whole": whole,
+        "missing": missing,
+        "changed": changed,
         "different": different,
         "largest_difference": largest,
         "other_versions": _changes(run.file.versions),
     }
+
+
+def _missing(run: Run) -> list[str]:
+    """Files that the run had at its end, or that stand between others."""
+    there = {file.name for file in run.files()}
+    count = max((1 + number_of(file) for file in run.files()), default=0)
+    between = [name for i in range(count) if (name := run.path(i).name) not in there]
+    whole = run.file.whole
+    had = [] if whole is None else [n for n in whole.files if not (run.folder / n).is_file()]
+    return sorted({*between, *had})
 
 
 def study_of(run: Run, study: Study | None = None) -> Study:
@@ -118,6 +141,7 @@ def _pairs(run: Run, study: Study, workers: int) -> Iterator[tuple[Trial, Trial]
             conditions.append(about.condition)
         elif conditions:
             raise RecordingError(f"{file} is a demonstration among trials")
+        _check_seed(run, study, about, file)
     if not conditions:
         for file, trial in zip(run.files(), run.trials(), strict=True):
             yield trial, _shown(study, read_about(trial, file), file)
@@ -126,6 +150,19 @@ def _pairs(run: Run, study: Study, workers: int) -> Iterator[tuple[Trial, Trial]
     if missing := study.task.behaviours().keys() - models.keys():
         raise RecordingError(f"{run.folder} has no model of {', '.join(sorted(missing))}")
     yield from zip(run.trials(), perform_all(study, models, conditions, workers), strict=True)
+
+
+def _check_seed(run: Run, study: Study, about: Performed | Demonstrated, file: Path) -> None:
+    """A drawn situation and a demonstration are of the seed of their run."""
+    seed = run.file.seed
+    if isinstance(about, Demonstrated):
+        same = about.seed == seed
+    else:
+        drawn = about.condition.situation
+        # A study may make situations of its own; only those that are drawn are of the run's seed.
+        same = drawn.seed == seed or drawn != draw_situation(study.task, drawn.seed, drawn.index)
+    if not same:
+        raise RecordingError(f"{file} is of another seed than the {seed} of run.json")
 
 
 def _shown(study: Study, about: Performed | Demonstrated, where: object) -> Trial:
@@ -137,14 +174,7 @@ def _shown(study: Study, about: Performed | Demonstrated, where: object) -> Tria
             f"{where}: about.behaviour is '{about.behaviour}'; the task has {', '.join(behaviours)}"
         )
     teacher = behaviours[about.behaviour].teacher
-    with threadpool_limits(1):
-        return show(
-            study.task.stage,
-            teacher,
-            about.attempt,
-            seed=about.seed,
-            sites=study.task.sites(),
-        )
+    return show(study.task.stage, teacher, about.attempt, seed=about.seed, sites=study.task.sites())
 
 
 def _difference(one: Trial, other: Trial) -> float | None:
@@ -163,6 +193,6 @@ def _same_bits(one: np.ndarray, other: np.ndarray) -> bool:
 
 
 def _changes(then: dict[str, str | None]) -> list[str]:
-    now = versions(tuple(then.keys() - {"python"}))
+    now = environment()
     changed = sorted(name for name in then if then[name] != now.get(name))
     return [f"{name} {then[name]} then, {now.get(name)} now" for name in changed]

@@ -54,7 +54,7 @@ def write_report(
     notes: Sequence[str] = (),
     about: Mapping[str, object] | None = None,
 ) -> Path:
-    """Write a report as one HTML file without anything outside it.
+    """Write a report as one HTML file without anything outside it, in place of an earlier one.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def write_report(
         f"<title>{_safe(title)}</title>\n<style>\n{style}</style>\n</head>\n"
         f"<body>\n<main>\n{body}\n</main>\n</body>\n</html>\n"
     )
-    return write_text(Path(path), page)
+    return write_text(Path(path), page, replace=True)
 
 
 def _header(title: str, lead: str, about: Mapping[str, object], figures: Sequence[Result]) -> str:

@@ -5,25 +5,21 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
-from threadpoolctl import threadpool_limits
-
 from tpsim import paths
 from tpsim.study import learned
-from tpsim.study.files.models_file import save_models
+from tpsim.study.files.models_file import model_files, save_models
+from tpsim.study.files.run import DEMONSTRATIONS, Run
 from tpsim.study.recording import Answer, say
 from tpsim.study.report import Section
 from tpsim.study.study import Study
-from tpsim.study.teaching_files import (
-    place_for,
-    read_demonstrations,
-    replaced,
-    write_demonstrations,
-)
+from tpsim.study.teaching_files import add_demonstrations, check_place, read_demonstrations
 from tpsim.study.workers import Workers
-from tpsim.task.task import Task
+from tpsim.task.task import Models, Task
 from tpsim.task.verbs import Taught, show_all
 from tpsim.task.verbs import learn as learn_behaviours
+from tpsim.whole import check_free, numbered_folder, whole_folder
 from tpsim.world.teaching import Shown
+from tpsim.world.threads import one_thread
 
 TEXT = (
     "Demonstrations are refused, and shown again, where the robot came to its limits or touched "
@@ -31,7 +27,11 @@ TEXT = (
     "about itself."
 )
 
+Source = Path | Run | Taught
+"""Where demonstrations, or models, come from."""
 
+
+@one_thread()
 def teach(
     study: Study,
     count: int | None = None,
@@ -50,7 +50,8 @@ def teach(
     seed : int
     folder : Path, optional
         The demonstrations go to ``<folder>/<behaviour>``, which must be new; by default to
-        ``recordings/demonstrations/<behaviour>``, where they replace others of this robot.
+        ``recordings/demonstrations/<behaviour>``, ``<behaviour>~2``, ...: earlier ones stay, and
+        the last are learned from.
     command : str
         For people who read the folder.
 
@@ -59,19 +60,20 @@ def teach(
     SimulationError
         If too many demonstrations are useless.
     RecordingError
-        If the demonstrations would overwrite those of somebody else.
+        If the folder holds something, or the usual one demonstrations of another robot.
     """
     task = study.task
     count = task.demonstrations if count is None else count
     attempts, written = {}, []
-    targets = {behaviour: place_for(task, folder, behaviour) for behaviour in task.behaviours()}
+    for behaviour in task.behaviours():
+        check_place(task, folder, behaviour)
     all_shown = taught_all(study, count, seed)
     for behaviour, shown in all_shown.items():
-        target = targets[behaviour]
-        with replaced(target) as new:
-            write_demonstrations(new, study, behaviour, shown.trials, seed=seed, command=command)
+        place = add_demonstrations(
+            folder, study, behaviour, shown.trials, seed=seed, command=command
+        )
         attempts[behaviour] = shown.attempts
-        written.append(str(target))
+        written.append(str(place))
     return {
         "task": task.name,
         "seed": seed,
@@ -82,43 +84,55 @@ def teach(
     }
 
 
-def learn(
-    study: Study, demonstrations: Path | Taught | None = None, out: Path | None = None
-) -> Answer:
+@one_thread()
+def learn(study: Study, demonstrations: Source | None = None, out: Path | None = None) -> Answer:
     """Learn every behaviour of a study's task, and say what was learned.
 
     Parameters
     ----------
     study : Study
-    demonstrations : Path or mapping of str to sequence of Trial, optional
-        A folder that :func:`teach` wrote, ``recordings/demonstrations`` by default; or the
-        demonstrations themselves.
+    demonstrations : Path, Run or mapping of str to sequence of Trial, optional
+        A folder that :func:`teach` wrote, ``recordings/demonstrations`` by default; a run, whose
+        own are taken; or the demonstrations themselves.
     out : Path, optional
-        Where the models are written, beside no others; ``recordings/models/<task>`` by default,
-        where they replace those learned before.
+        A new folder for the models; by default ``recordings/models/<task>``, ``<task>~2``, ...:
+        earlier ones stay.
     """
+    if out is not None:
+        check_free(out)
     task, taught = study.task, demonstrations_of(study, demonstrations)
     models = learn_behaviours(task, taught)
     if out is None:
-        target = paths.recordings() / "models" / task.name
-        with replaced(target) as new:
-            files = [target / file.name for file in save_models(new, models)]
+        place = paths.recordings() / "models" / task.name
+        out = numbered_folder(place, lambda new: save_models(new, models))
     else:
-        out.mkdir(parents=True, exist_ok=True)
-        files = save_models(out, models)
+        with whole_folder(out) as new:
+            save_models(new, models)
     return {
         "task": task.name,
         "components": next(iter(models.values())).components,
         "demonstrations": {name: len(trials) for name, trials in taught.items()},
         "log_likelihood": {name: float(model.history[-1]) for name, model in models.items()},
         "deviations": learned.deviations(task, models),
-        "paths": {"models": [str(file) for file in files]},
+        "paths": {"models": [str(file) for file in model_files(out).values()]},
     }
 
 
-def demonstrations_of(study: Study, given: Path | Taught | None) -> Taught:
-    """Demonstrations as they are, or out of the folder that holds them."""
-    return given if isinstance(given, Mapping) else read_demonstrations(study.task, given)
+def demonstrations_of(study: Study, given: Source | None) -> Taught:
+    """Demonstrations as they are, or out of the folder or run that holds them."""
+    if isinstance(given, Mapping):
+        return given
+    where = given.check().folder / DEMONSTRATIONS if isinstance(given, Run) else given
+    return read_demonstrations(study.task, where)
+
+
+def models_of(study: Study, given: Source | None) -> Models:
+    """The models of a run, where one is given that has them all; else learned."""
+    if isinstance(given, Run):
+        models = given.check().models
+        if study.task.behaviours().keys() <= models.keys():
+            return models
+    return learn_behaviours(study.task, demonstrations_of(study, given))
 
 
 def refused(shown: Mapping[str, Shown]) -> Answer:
@@ -166,5 +180,4 @@ def _taught(task: Task, count: int, seed: int, behaviour: str) -> Shown:
         good += outcome == "done"
         say(f"teaching {name}: attempt {attempt + 1} {outcome}, {good} of {count} good")
 
-    with threadpool_limits(1):
-        return show_all(task, count, seed, [behaviour], tell)[behaviour]
+    return show_all(task, count, seed, [behaviour], tell)[behaviour]

@@ -1,8 +1,7 @@
 """Demonstrations and models in folders: taught and learned once, used by later commands."""
 
-import shutil
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from tpsim import paths
@@ -11,7 +10,7 @@ from tpsim.study.files.run import Run, load_run, open_run
 from tpsim.study.study import Study
 from tpsim.task.task import Task
 from tpsim.task.verbs import Taught
-from tpsim.whole import whole_folder
+from tpsim.whole import check_free, newest, numbered_folder, whole_folder
 from tpsim.world.trial import Trial
 
 
@@ -33,12 +32,13 @@ def read_demonstrations(task: Task, folder: Path | None = None) -> Taught:
     ----------
     task : Task
     folder : Path, optional
-        Holds a run folder for each behaviour; ``recordings/demonstrations`` by default.
+        Holds a run folder for each behaviour; by default those in
+        ``recordings/demonstrations`` that were taught last.
 
     Raises
     ------
     RecordingError
-        If some are missing, or show another robot.
+        If some are missing, were interrupted or changed, or show another robot.
     """
     taught = {}
     for behaviour in task.behaviours():
@@ -48,7 +48,9 @@ def read_demonstrations(task: Task, folder: Path | None = None) -> Taught:
                 f"there are no demonstrations of '{behaviour}' in {where}; record some with "
                 "tpsim teach, and name the folder that it was given"
             )
-        run = load_run(where)
+        run = load_run(where).check()
+        if run.file.whole is None:
+            raise RecordingError(f"teaching was interrupted in {where}; teach it again")
         if run.file.robot.joints != task.stage.robot.joints:
             raise RecordingError(
                 f"{where} shows a robot with joints {', '.join(run.file.robot.joints)}; task "
@@ -59,20 +61,47 @@ def read_demonstrations(task: Task, folder: Path | None = None) -> Taught:
     return taught
 
 
-def place_for(task: Task, folder: Path | None, behaviour: str) -> Path:
-    """Where new demonstrations of a behaviour go.
+def check_place(task: Task, folder: Path | None, behaviour: str) -> None:
+    """Look whether new demonstrations of a behaviour can be written.
 
     Raises
     ------
     RecordingError
-        If they would overwrite a given folder, or those of another robot.
+        If the given folder holds something, or the usual one those of another robot.
     """
-    target = _place(folder, behaviour)
-    if folder is not None and target.exists():
-        raise RecordingError(f"{target} exists; give a new folder")
-    if _shows_another_robot(target, task):
-        raise RecordingError(f"{target} holds demonstrations of another robot; give --folder")
-    return target
+    if folder is not None:
+        check_free(folder / behaviour)
+    elif _shows_another_robot(there := _place(None, behaviour), task):
+        raise RecordingError(f"{there} holds demonstrations of another robot; give --folder")
+
+
+def add_demonstrations(
+    folder: Path | None,
+    study: Study,
+    behaviour: str,
+    trials: Sequence[Trial],
+    *,
+    seed: int,
+    command: str,
+) -> Path:
+    """Write demonstrations whole or not at all; return their folder.
+
+    It is ``<folder>/<behaviour>``, which must be new; or in ``recordings/demonstrations`` the next
+    of ``<behaviour>``, ``<behaviour>~2``, ..., of which the last is read.
+    """
+    write = partial(
+        write_demonstrations,
+        study=study,
+        behaviour=behaviour,
+        trials=trials,
+        seed=seed,
+        command=command,
+    )
+    if folder is None:
+        return numbered_folder(paths.demonstrations(behaviour), write)
+    with whole_folder(folder / behaviour) as new:
+        write(new)
+    return folder / behaviour
 
 
 def _shows_another_robot(folder: Path, task: Task) -> bool:
@@ -84,15 +113,7 @@ def _shows_another_robot(folder: Path, task: Task) -> bool:
 
 def _place(folder: Path | None, behaviour: str) -> Path:
     if folder is None:
-        return paths.demonstrations(behaviour)
+        return newest(paths.demonstrations(behaviour))
     # The folder of the behaviour itself, as tpsim teach prints it, is understood too.
     itself = folder.name == behaviour and (folder / "run.json").is_file()
     return folder if itself else folder / behaviour
-
-
-@contextmanager
-def replaced(target: Path) -> Iterator[Path]:
-    """A new folder that takes the place of ``target`` when all went well."""
-    with whole_folder(target) as new:
-        yield new
-        shutil.rmtree(target, ignore_errors=True)

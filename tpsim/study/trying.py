@@ -8,28 +8,32 @@ from tpsim.study.condition import Condition
 from tpsim.study.record import Records
 from tpsim.study.recording import Answer, open_folder, record_all
 from tpsim.study.study import Study
-from tpsim.study.teaching import demonstrations_of
+from tpsim.study.teaching import Source, models_of
 from tpsim.task.task import draw_situation
-from tpsim.task.verbs import Taught, learn
 from tpsim.world.people.push import Push
+from tpsim.world.threads import one_thread
 
 
 def reproduce(
     study: Study,
-    demonstrations: Path | Taught | None = None,
+    demonstrations: Source | None = None,
     *,
     situation: int = 0,
     seed: int = 0,
     folder: Path | None = None,
     command: str = "",
 ) -> Answer:
-    """Perform a task once in a situation that was never taught."""
+    """Perform a task once in a situation that was never taught.
+
+    ``demonstrations`` are as for :func:`tpsim.study.teaching.learn`; the models of a run are taken
+    as they are, and nothing is learned.
+    """
     return _try(study, demonstrations, situation, seed, folder, command, None)
 
 
 def push(
     study: Study,
-    demonstrations: Path | Taught | None = None,
+    demonstrations: Source | None = None,
     *,
     force: tuple[float, float, float] = (0.0, 20.0, 0.0),
     start: float = 2.0,
@@ -52,9 +56,10 @@ def push(
     return _try(study, demonstrations, situation, seed, folder, command, pushed)
 
 
+@one_thread()
 def _try(
     study: Study,
-    demonstrations: Path | Taught | None,
+    demonstrations: Source | None,
     index: int,
     seed: int,
     folder: Path | None,
@@ -62,7 +67,7 @@ def _try(
     push: Push | None,
 ) -> Answer:
     task = study.task
-    models = learn(task, demonstrations_of(study, demonstrations))
+    models = models_of(study, demonstrations)
     situation = draw_situation(task, seed, index)
     conditions = [Condition("unpushed", situation)]
     if push is not None:

@@ -17,12 +17,14 @@ from tpsim.world.rollout import rollout
 from tpsim.world.tank import Tank
 from tpsim.world.teaching import Shown
 from tpsim.world.teaching import teach as teach_lessons
+from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 
 Taught = Mapping[str, Sequence[Trial]]
 """Demonstrations of every behaviour, by name."""
 
 
+@one_thread()
 def teach(
     task: Task,
     count: int | None = None,
@@ -86,6 +88,7 @@ def _telling(progress: Callable[[str, int, str], None], name: str) -> Callable[[
     return lambda attempt, outcome: progress(name, attempt, outcome)
 
 
+@one_thread()
 def learn(task: Task, taught: Taught) -> dict[str, TPGMM]:
     """Learn every behaviour of a task from its demonstrations (Appendix A).
 
@@ -107,6 +110,7 @@ def learn(task: Task, taught: Taught) -> dict[str, TPGMM]:
     return with_relevance(task.stage.robot, models, views, taught)
 
 
+@one_thread()
 def perform(
     task: Task,
     models: Models,

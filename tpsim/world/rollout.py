@@ -11,6 +11,7 @@ from tpsim.world.log import Log
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.plant import NOMINAL, Plant
 from tpsim.world.tank import Tank
+from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
 
@@ -18,6 +19,7 @@ RECORD_PERIOD = 0.01
 """Time [s] between samples of a recording."""
 
 
+@one_thread()
 def rollout(
     world: World,
     controller: Controller,

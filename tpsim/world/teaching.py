@@ -12,6 +12,7 @@ from tpsim.robot.robot import Robot
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.guide import Guide
 from tpsim.world.rollout import rollout
+from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 from tpsim.world.weightless import Weightless
 from tpsim.world.world import World
@@ -149,6 +150,7 @@ def strained(trial: Trial, lesson: Lesson) -> float:
     return float(max(shares, default=0.0))
 
 
+@one_thread()
 def show(
     world: World,
     teacher: Teacher,

@@ -1,12 +1,17 @@
 import json
+import multiprocessing
+import resource
 import threading
+from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 from tpsim import paths
 from tpsim.errors import RecordingError
+from tpsim.study import teaching
 from tpsim.study.files.about import condition_of
 from tpsim.study.files.checked import plain
 from tpsim.study.files.inside import checksum
@@ -25,7 +30,8 @@ def test_a_run_says_how_to_repeat_it_before_it_starts(tmp_path, toy):
     assert said["task"]["fields"] == {"effort": 0.05, "reach": [0.3, 0.4], "grip": None}
     assert said["task"]["reference"].endswith("toy.py:study")
     assert said["robot"]["joints"] == ["shoulder", "elbow"]
-    assert said["versions"].keys() == {"python", "tpsim", "numpy", "scipy", "mujoco", "pin"}
+    assert said["versions"].keys() == {"python", "tpsim", "numpy", "scipy", "mujoco", "pin", "blas"}
+    assert "1 thread" in said["versions"]["blas"]
     assert said["units"]["torque"] == "Nm"
     assert said["whole"] is None
     assert load_run(run.folder) == run
@@ -87,6 +93,58 @@ def test_of_many_that_open_a_folder_one_gets_it(tmp_path, toy):
         assert load_run(won[0].folder) == won[0]
 
 
+def test_of_two_processes_that_open_a_folder_one_gets_it(tmp_path, toy):
+    context = multiprocessing.get_context("fork")
+    together, won = context.Barrier(2), context.SimpleQueue()
+
+    def open_it():
+        for attempt in range(10):
+            together.wait()
+            try:
+                start(tmp_path / str(attempt), toy)
+            except RecordingError:
+                won.put(False)
+            else:
+                won.put(True)
+
+    processes = [context.Process(target=open_it) for _ in range(2)]
+    for process in processes:
+        process.start()
+    found = [won.get() for _ in range(20)]
+    for process in processes:
+        process.join()
+    assert (found.count(True), found.count(False)) == (10, 10)
+    assert all(load_run(tmp_path / str(attempt)) for attempt in range(10))
+
+
+@contextmanager
+def full_disk(size):
+    """Files cannot grow beyond so many bytes: writing fails in the middle, as on a full disk."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_on_a_full_disk_what_was_written_stays_and_nothing_is_half_written(tmp_path, toy, trials):
+    run = start(tmp_path / "run", toy)
+    run.save(0, trials[0])
+    before = {p: p.read_bytes() for p in run.folder.rglob("*") if p.is_file()}
+    refused = partial(pytest.raises, RecordingError)
+    with full_disk(6000):
+        with refused(match=r"cannot write .*trial-000001.npz \(File too large\)"):
+            run.save(1, trials[1])
+        with refused(match=r"cannot write .*trial-000000.npz \(File too large\)"):
+            teaching.teach(toy, 1, folder=tmp_path / "taught")
+        with full_disk(9), refused(match=r"cannot write .*mark.obj \(File too large\)"):
+            start(tmp_path / "other", toy)
+    assert before == {p: p.read_bytes() for p in run.folder.rglob("*") if p.is_file()}
+    assert not (tmp_path / "other").exists()
+    assert list((tmp_path / "taught").iterdir()) == []
+
+
 def test_names_of_new_folders_are_never_shared(tmp_path, monkeypatch):
     monkeypatch.setattr(paths, "runs", lambda: tmp_path / "runs")
     names = [run_folder("cup", 4) for _ in range(3)]
@@ -115,8 +173,8 @@ def test_a_task_with_a_field_that_is_no_value_is_refused_before_anything_is_writ
         (None, r"there is no file .*run.json"),
         ('{"command": ', "run.json is no JSON"),
         ("[]", "run.json: Expected `object`"),
-        ('{"schema": 1}', "schema 1, this tpsim reads 2"),
-        ('{"schema": 2}', "run.json: Object missing required field `command`"),
+        ('{"schema": 1}', "schema 1, this tpsim reads 3"),
+        ('{"schema": 3}', "run.json: Object missing required field `command`"),
         ("\xff", "is no text"),
     ],
 )

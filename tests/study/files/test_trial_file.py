@@ -58,7 +58,7 @@ def test_a_failed_write_leaves_nothing(tmp_path, trial, monkeypatch):
 
 def test_a_trial_is_never_overwritten(tmp_path, trial):
     path = save_trial(tmp_path / "trial-000000.npz", trial)
-    with pytest.raises(RecordingError, match="never overwritten"):
+    with pytest.raises(RecordingError, match="nothing is overwritten"):
         save_trial(path, trial)
 
 

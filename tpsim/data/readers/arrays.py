@@ -9,17 +9,13 @@ from tpsim.data.recording import Recording, Series, by_length
 from tpsim.data.signals import signals_of
 from tpsim.demonstration import Demonstration
 from tpsim.errors import RecordingError
+from tpsim.npz import read_foreign_members
 
 
 def recordings(path: Path) -> list[Recording]:
     """Read the arrays (T, ...) of an archive; text and single numbers are passed over."""
     with opened(path, "archive of arrays"):
-        loaded = np.load(path, allow_pickle=False)
-        if isinstance(loaded, np.ndarray):
-            arrays = {"array": loaded}
-        else:
-            with loaded:
-                arrays = {name: loaded[name] for name in loaded.files}
+        arrays = read_foreign_members(path)
     if str(arrays.get("kind", "")).lower() == "demonstration":
         return [_demonstration(path)]
     return [Recording(str(path), by_length(numeric(arrays, path)), path.stem, "npz")]

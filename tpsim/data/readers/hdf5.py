@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tpsim.data.columns import Columns
-from tpsim.data.foreign import extra, opened
+from tpsim.data.foreign import check_size, extra, opened
 from tpsim.data.recording import Recording, by_length
 from tpsim.errors import RecordingError
 
@@ -21,6 +21,7 @@ def recordings(path: Path) -> list[Recording]:
     with extra("HDF5 files"):
         import h5py
     with opened(path, "HDF5 file"), h5py.File(path, "r") as file:
+        _check(path, file)
         data = file.get("data")
         groups = data.items() if isinstance(data, h5py.Group) else ()
         demos = [name for name, item in groups if isinstance(item, h5py.Group)]
@@ -29,6 +30,26 @@ def recordings(path: Path) -> list[Recording]:
         rate = _rate(data.attrs.get("env_args"))
         order = sorted(demos, key=lambda name: [int(n) for n in re.findall(r"\d+", name)] or [0])
         return [_recording(path, data[name], name, "robomimic", rate) for name in order]
+
+
+def _check(path: Path, group: "h5py.Group") -> None:
+    """Refuse links to other files, and more numbers than memory should hold."""
+    import h5py
+
+    numbers = 0
+
+    def look(key: str, link: object) -> None:
+        nonlocal numbers
+        if isinstance(link, h5py.ExternalLink):
+            raise RecordingError(f"{path}: {key} leads to another file, {link.filename:.60}")
+        item = group.get(key) if isinstance(link, h5py.HardLink) else None
+        if isinstance(item, h5py.Dataset):
+            if item.external or item.is_virtual:
+                raise RecordingError(f"{path}: {key} is kept in another file")
+            numbers += item.size if item.ndim in (1, 2) and item.dtype.kind in "fiub" else 0
+
+    group.visititems_links(look)
+    check_size(path, numbers)
 
 
 def _recording(

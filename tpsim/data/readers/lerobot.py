@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tpsim.data.columns import Columns
-from tpsim.data.foreign import extra, opened
+from tpsim.data.foreign import check_size, extra, opened
 from tpsim.data.recording import Recording, Series
 from tpsim.errors import RecordingError
 
@@ -31,6 +31,7 @@ def recordings(path: Path) -> list[Recording]:
         if not files:
             raise RecordingError(f"{path}: holds no data/**/*.parquet")
         names = [name for name, about in features.items() if _NUMBERS.match(about["dtype"])]
+        check_size(path, sum(_numbers_in(file) for file in files))
         table = pyarrow.concat_tables([parquet.read_table(file, columns=names) for file in files])
         columns = {name: _values(path, table, name) for name in names}
         if not columns or "episode_index" not in columns:
@@ -46,6 +47,15 @@ def recordings(path: Path) -> list[Recording]:
         _episode(path, columns, episodes == number, int(number), rate)
         for number in np.unique(episodes)
     ]
+
+
+def _numbers_in(file: Path) -> int:
+    """How many numbers a table holds, as its description says."""
+    import pyarrow.parquet as parquet
+
+    about = parquet.read_metadata(file)
+    groups = (about.row_group(i) for i in range(about.num_row_groups))
+    return sum(g.column(j).num_values for g in groups for j in range(g.num_columns))
 
 
 def _episode(

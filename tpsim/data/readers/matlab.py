@@ -6,22 +6,27 @@ frame saw; its letters are cells ``demos{n}.pos`` (2 x T). None says what time i
 take 10 ms a sample.
 """
 
+import zlib
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO, Literal
 
 import numpy as np
 
 from tpsim.data.columns import Columns
-from tpsim.data.foreign import opened
+from tpsim.data.foreign import check_size, opened
 from tpsim.data.readers.arrays import numeric
 from tpsim.data.recording import Recording, Series, by_length
 from tpsim.errors import RecordingError
+from tpsim.npz import BYTES
 
 RATE = 100.0
 """Samples per second of pbdlib's data [Hz]."""
 
 _DATA = ("Data", "Data0", "pos", "x")
 _TIMES = ("time", "t", "Time")
+_COMPRESSED = 15
+_PART = 2**20
 
 
 def recordings(path: Path) -> list[Recording]:
@@ -29,6 +34,7 @@ def recordings(path: Path) -> list[Recording]:
     from scipy.io import loadmat
 
     with opened(path, "MATLAB file"):
+        check_size(path, _unpacked(path) // 8)
         try:
             found = loadmat(path, struct_as_record=False, squeeze_me=False)
         except NotImplementedError:
@@ -42,6 +48,38 @@ def recordings(path: Path) -> list[Recording]:
         if "s" in variables and _fields(variables["s"].flat[0]):
             return _situations(path, variables["s"].ravel(), variables.get("Data"))
         return [_matrices(path, variables)]
+
+
+def _unpacked(path: Path) -> int:
+    """Bytes of a file when its compressed variables are unpacked, which they are not here."""
+    with path.open("rb") as file:
+        head = file.read(128)
+        order: Literal["little", "big"] = "big" if head[126:128] == b"MI" else "little"
+        total = path.stat().st_size
+        if head[126:128] not in (b"MI", b"IM"):
+            return total
+        while len(tag := file.read(8)) == 8:
+            kind, size = (int.from_bytes(tag[i : i + 4], order) for i in (0, 4))
+            end = file.tell() + size
+            if kind == _COMPRESSED:
+                for length in _lengths(file, size):
+                    total += length
+                    if total > BYTES:
+                        return total
+            file.seek(end)
+    return total
+
+
+def _lengths(file: BinaryIO, size: int) -> Iterator[int]:
+    """Lengths of what a compressed variable unpacks to, a part at a time."""
+    unpacker, rest = zlib.decompressobj(), b""
+    while not unpacker.eof:
+        packed = rest or file.read(min(size, _PART))
+        if not packed:
+            return
+        size -= 0 if rest else len(packed)
+        yield len(unpacker.decompress(packed, _PART))
+        rest = unpacker.unconsumed_tail
 
 
 def _letters(path: Path, demos: np.ndarray) -> list[Recording]:

@@ -7,10 +7,11 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from tpsim.data.foreign import extra, opened
+from tpsim.data.foreign import check_size, extra, opened
 from tpsim.data.readers.messages import Messages
 from tpsim.data.recording import Recording
 from tpsim.errors import RecordingError
+from tpsim.npz import BYTES
 
 Decoder = Callable[[bytes], Any]
 
@@ -25,7 +26,8 @@ def recordings(path: Path) -> list[Recording]:
     with extra("MCAP files"):
         from mcap.decoder import DecoderFactory
         from mcap.reader import make_reader
-        from mcap.records import Schema
+        from mcap.records import Chunk, Schema
+        from mcap.stream_reader import StreamReader
         from mcap_ros2.decoder import DecoderFactory as Ros2
 
     class Json(DecoderFactory):
@@ -40,6 +42,10 @@ def recordings(path: Path) -> list[Recording]:
     found: dict[int, Messages] = {}
     passed_over: set[str] = set()
     with opened(path, "MCAP file"), path.open("rb") as file:
+        for record in StreamReader(file, emit_chunks=True, record_size_limit=BYTES).records:
+            if isinstance(record, Chunk):
+                check_size(path, record.uncompressed_size // 8)
+        file.seek(0)
         reader = make_reader(file, validate_crcs=True, decoder_factories=[Json(), Ros2(), Rest()])
         for schema, channel, message, decoded in reader.iter_decoded_messages():
             ours = _OURS.match(channel.topic)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from tpsim.data.foreign import opened
+from tpsim.data.foreign import check_size, opened
 from tpsim.errors import RecordingError
 
 _MARKS = ("#", "%", "//")
@@ -46,6 +46,10 @@ class Written:
         return f"c{column}" if self.headings is None else self.headings[column]
 
 
+COLUMNS = 4096
+"""Most columns of a table."""
+
+
 def written(path: Path) -> Written:
     """Look at the first lines: comments, at most one line of headings, then numbers.
 
@@ -61,7 +65,10 @@ def written(path: Path) -> Written:
         if not content:
             continue
         separator = next((mark for mark in ("\t", ";", ",") if mark in content), None)
-        numbers = [_may_be_number(field, separator) for field in fields_of(content, separator)]
+        fields = fields_of(content, separator)
+        if len(fields) > COLUMNS:
+            raise RecordingError(f"{path}: line {i} has {len(fields)} columns, at most {COLUMNS}")
+        numbers = [_may_be_number(field, separator) for field in fields]
         few = sum(numbers) * 2 <= len(numbers)
         if any(numbers) and (heading is not None or numbers[0] or not few):
             headings = _headings(heading, separator)
@@ -129,6 +136,7 @@ def _with_points(rows: str, separator: str | None) -> str:
 
 def _decoded(path: Path) -> str:
     with opened(path, "text file"):
+        check_size(path, path.stat().st_size // 8)
         raw = path.read_bytes()
     if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
         with opened(path, "text file"):

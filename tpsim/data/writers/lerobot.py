@@ -1,10 +1,7 @@
 """LeRobot datasets of version 3: Parquet tables and their description, without pictures."""
 
 import json
-import os
-import shutil
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +11,7 @@ from tpsim.data.foreign import extra
 from tpsim.data.signals import Item, Signals, signals_of
 from tpsim.data.writers.parquet import write_episodes, write_frames, write_tasks
 from tpsim.errors import ArgumentError
+from tpsim.whole import check_free, whole_folder
 
 QUANTILES = (0.01, 0.10, 0.50, 0.90, 0.99)
 
@@ -59,15 +57,14 @@ def write_lerobot(
     Raises
     ------
     ArgumentError
-        Nothing to write, a folder that is not empty, or no such signal.
+        Nothing to write, or no such signal.
     RecordingError
-        The package pyarrow is missing.
+        A folder that is not empty, or the package pyarrow is missing.
     """
     with extra("LeRobot datasets"):
         import pyarrow as pyarrow
     path = Path(path)
-    if path.exists() and (not path.is_dir() or any(path.iterdir())):
-        raise ArgumentError(f"{path} is there and not empty; give a new folder")
+    check_free(path)
     signals = signals_of(items)
     rate = round(signals[0].rate if fps is None else fps)
     if rate < 1 or (fps is not None and fps != rate):
@@ -78,7 +75,8 @@ def write_lerobot(
     for episode in episodes:
         episode["index"] = first + np.arange(len(episode["index"]))
         first += len(episode["index"])
-    with _whole_folder(path) as folder:
+    with whole_folder(path) as folder:
+        (folder / "meta").mkdir()
         _write(folder, episodes, rate, task, robot)
     return path
 
@@ -165,18 +163,3 @@ def _stats(columns: Mapping[str, np.ndarray]) -> dict[str, dict[str, list[float]
         found[name] = {key: value.tolist() for key, value in about.items()}
         found[name]["count"] = [len(values)]
     return found
-
-
-@contextmanager
-def _whole_folder(path: Path) -> Iterator[Path]:
-    """Give a temporary folder that becomes ``path`` when all went well."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    (temporary / "meta").mkdir(parents=True)
-    try:
-        yield temporary
-        if path.is_dir():
-            path.rmdir()
-        temporary.replace(path)
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)

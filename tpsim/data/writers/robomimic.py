@@ -8,7 +8,7 @@ import numpy as np
 
 from tpsim.data.foreign import extra
 from tpsim.data.signals import Item, signals_of
-from tpsim.whole import whole_path
+from tpsim.whole import write_bytes
 
 
 def write_robomimic(
@@ -47,7 +47,8 @@ def write_robomimic(
         "env_kwargs": {"control_freq": signals[0].rate},
     }
     path = Path(path)
-    with whole_path(path) as temporary, h5py.File(temporary, "w") as file:
+    # In memory: on a full disk HDF5 does not fail, it crashes.
+    with h5py.File(path.name, "w", driver="core", backing_store=False) as file:
         data = file.create_group("data")
         data.attrs["total"] = sum(len(s.time) for s in signals)
         data.attrs["env_args"] = json.dumps(about)
@@ -61,4 +62,6 @@ def write_robomimic(
             demo["dones"] = (np.arange(T) == T - 1).astype(np.int64)
             for name, values in one.columns.items():
                 demo[f"obs/{name}"] = values
-    return path
+        file.flush()
+        image = file.id.get_file_image()
+    return write_bytes(path, image)

@@ -27,6 +27,15 @@ def inside(folder: Path, name: str) -> Path:
     return path
 
 
+def inside_folder(folder: Path, inner: Path) -> None:
+    """Raise RecordingError where a folder below ``folder`` is reached by a link."""
+    for part in (inner, *inner.parents):
+        if part == folder:
+            return
+        if part.is_symlink():
+            raise RecordingError(f"{part} leads out of its folder; recordings are ordinary folders")
+
+
 def read_inside(folder: Path, name: str, most: int) -> bytes:
     """Content of a file of at most ``most`` bytes.
 
@@ -57,3 +66,12 @@ def read_text_inside(folder: Path, name: str, most: int) -> str:
 def checksum(content: bytes) -> str:
     """SHA-256 in hexadecimal."""
     return hashlib.sha256(content).hexdigest()
+
+
+def checksum_inside(folder: Path, name: str, most: int) -> str:
+    """SHA-256 of a file of at most ``most`` bytes; errors are those of :func:`read_inside`."""
+    path = inside(folder, name)
+    if path.stat().st_size > most:
+        raise RecordingError(f"{path} is larger than {most} bytes: it is no recording of tpsim")
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -10,7 +10,7 @@ STEPS = 2_000_000
 """Time steps of a recorded trial, and of all that happens in it."""
 
 TEXT = 64 * 2**20
-"""Bytes of ``run.json`` and of ``scene.xml``."""
+"""Bytes of ``run.json``, of ``scene.xml`` and of ``policy.json``."""
 
 ASSETS = 2**30
 """Bytes of all meshes and textures."""

@@ -17,14 +17,17 @@ def save_models(folder: Path, models: Models) -> list[Path]:
     Raises
     ------
     RecordingError
-        If one of the files exists: nothing is overwritten.
+        If the folder holds models: nothing is overwritten.
     """
     files = {name: folder / f"{_PREFIX}{name}.npz" for name in models}
-    for name, file in files.items():
+    for name in files:
         if not re.fullmatch(r"\w[\w. -]*", name):
             raise RecordingError(f"'{name}' is no name of a file: give the behaviour another one")
-        if file.exists():
-            raise RecordingError(f"{file} exists; give a new folder, models are never overwritten")
+    if there := model_files(folder):
+        raise RecordingError(
+            f"{folder} holds models already ({', '.join(there)}); give a new folder, nothing is "
+            "overwritten"
+        )
     return [models[name].save(file) for name, file in files.items()]
 
 

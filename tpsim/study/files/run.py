@@ -5,31 +5,40 @@ name is complete, and nothing is overwritten.
 """
 
 import os
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import cached_property
 from pathlib import Path
 
-from tpsim import paths
+from tpsim import npz, paths
 from tpsim.errors import RecordingError
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.study.files import limits
 from tpsim.study.files.about import TaskFile
 from tpsim.study.files.checked import from_json, plain, to_json
-from tpsim.study.files.inside import checksum, inside, read_text_inside
+from tpsim.study.files.inside import (
+    checksum,
+    checksum_inside,
+    inside,
+    inside_folder,
+    read_text_inside,
+)
 from tpsim.study.files.models_file import load_models, model_files, save_models
-from tpsim.study.files.run_file import UNITS, RunFile, Whole, git_commit, now
-from tpsim.study.files.scene import SCENE, read_world, write_world
-from tpsim.study.files.trial_file import SCHEMA, load_trial, save_trial
+from tpsim.study.files.run_file import SCHEMA, UNITS, RunFile, Whole, environment, git_commit, now
+from tpsim.study.files.scene import ASSETS, SCENE, read_world, write_world
+from tpsim.study.files.trial_file import load_trial, save_trial
 from tpsim.study.study import Study
 from tpsim.task.task import Models
-from tpsim.versions import versions
-from tpsim.whole import write_text
+from tpsim.whole import removed_if_nothing_came, write_text
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
 
 _FILE = "run.json"
+
+DEMONSTRATIONS = "demonstrations"
+"""Folder in that of a run, with a run folder for each behaviour that was taught."""
 
 
 @dataclass(frozen=True)
@@ -63,8 +72,14 @@ class Run:
         return save_models(self.folder, models)
 
     def files(self) -> tuple[Path, ...]:
-        """The trials' files, in order."""
-        return tuple(sorted(self.folder.glob("trial-*.npz")))
+        """The trials' files, in order.
+
+        Raises
+        ------
+        RecordingError
+            If one has no number.
+        """
+        return tuple(sorted(self.folder.glob("trial-*.npz"), key=number_of))
 
     def trials(self) -> Iterator[Trial]:
         """Read the trials one after the other."""
@@ -91,13 +106,36 @@ class Run:
             If a file is no model, or was changed after the run.
         """
         models = load_models(self.folder)
-        whole = self.file.whole
-        if whole is not None and _checksums(self.folder) != whole.models:
-            raise RecordingError(
-                f"the models in {self.folder} were changed after the run; restore them or record "
-                "it again"
-            )
+        if self.file.whole is not None:
+            of_models = (name for name in self.file.whole.files if name.startswith("model-"))
+            names = {*of_models, *(file.name for file in model_files(self.folder).values())}
+            self._refuse([name for name in self.changed() if name in names])
         return models
+
+    def changed(self) -> list[str]:
+        """Files that are not those of the run when it came to its end; none while it runs.
+
+        ``run.json`` is one of them where anything that it says was changed.
+        """
+        whole = self.file.whole
+        if whole is None:
+            return []
+        now = _checksums(self.folder)
+        names = sorted(now.keys() | whole.files.keys())
+        changed = [name for name in names if now.get(name) != whole.files.get(name)]
+        return changed if _sealed(self.file, whole) == self.file else [_FILE, *changed]
+
+    def check(self) -> "Run":
+        """Raise RecordingError if anything was changed since the run came to its end."""
+        self._refuse(self.changed())
+        return self
+
+    def _refuse(self, changed: list[str]) -> None:
+        if changed:
+            names = ", ".join(changed[:3]) + (f" and {len(changed) - 3} more" * (len(changed) > 3))
+            raise RecordingError(
+                f"{names} in {self.folder}: changed after the run; restore it or record again"
+            )
 
     def finish(self) -> "Run":
         """State in ``run.json`` that the run is whole: how many trials, which models.
@@ -112,10 +150,17 @@ class Run:
             raise RecordingError(f"{self.folder} was finished before")
         if files != tuple(self.path(index) for index in range(len(files))):
             raise RecordingError(f"a trial between others is missing in {self.folder}")
-        whole = Whole(len(files), _checksums(self.folder), now())
-        done = replace(self.file, whole=whole)
-        write_text(self.folder / _FILE, _text(done))
+        done = _sealed(self.file, Whole(len(files), _checksums(self.folder), "", now()))
+        write_text(self.folder / _FILE, _text(done), replace=True)
         return Run(self.folder, done)
+
+
+def number_of(file: Path) -> int:
+    """Number of a trial's file."""
+    number = file.stem.removeprefix("trial-")
+    if not re.fullmatch(r"\d{6,9}", number, re.ASCII):
+        raise RecordingError(f"{file} has no number; trials are trial-000000.npz and so on")
+    return int(number)
 
 
 def run_folder(task: str, seed: int) -> Path:
@@ -164,23 +209,24 @@ def open_run(
     task, settings = TaskFile.of(study), plain(dict(configuration))
     assert isinstance(settings, dict)
     _claim(folder)
-    scene, assets = write_world(folder, world)
-    file = RunFile(
-        SCHEMA,
-        command,
-        settings,
-        seed,
-        now(),
-        git_commit(),
-        versions(("tpsim", "numpy", "scipy", "mujoco", "pin")),
-        task,
-        world.description,
-        scene,
-        assets,
-        tuple(world.model.site(i).name for i in range(world.model.nsite)),
-        UNITS,
-    )
-    write_text(folder / _FILE, _text(file))
+    with removed_if_nothing_came(folder):
+        scene, assets = write_world(folder, world)
+        file = RunFile(
+            SCHEMA,
+            command,
+            settings,
+            seed,
+            now(),
+            git_commit(),
+            environment(),
+            task,
+            world.description,
+            scene,
+            assets,
+            tuple(world.model.site(i).name for i in range(world.model.nsite)),
+            UNITS,
+        )
+        write_text(folder / _FILE, _text(file))
     return Run(folder, file)
 
 
@@ -226,5 +272,21 @@ def _text(file: RunFile) -> str:
     return to_json(file, indent=2) + "\n"
 
 
+def _sealed(file: RunFile, whole: Whole) -> RunFile:
+    """What run.json says, with the checksum of it."""
+    blank = replace(file, whole=replace(whole, record=""))
+    return replace(file, whole=replace(whole, record=checksum(_text(blank).encode())))
+
+
 def _checksums(folder: Path) -> dict[str, str]:
-    return {name: checksum(file.read_bytes()) for name, file in model_files(folder).items()}
+    names = [file.name for kind in ("trial-*.npz", "model-*.npz") for file in folder.glob(kind)]
+    sums = {SCENE: checksum_inside(folder, SCENE, limits.TEXT)}
+    for file in sorted((folder / ASSETS).glob("*")):
+        sums[f"{ASSETS}/{file.name}"] = checksum_inside(folder / ASSETS, file.name, limits.ASSETS)
+    taught = [file.parent for file in folder.glob(f"{DEMONSTRATIONS}/*/{_FILE}")]
+    sums |= {name: checksum_inside(folder, name, npz.BYTES) for name in sorted(names)}
+    for shown in sorted(taught):
+        inside_folder(folder, shown)
+        name = shown.relative_to(folder).as_posix()
+        sums[f"{name}/{_FILE}"] = checksum_inside(shown, _FILE, limits.TEXT)
+    return sums

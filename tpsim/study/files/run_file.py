@@ -7,6 +7,11 @@ from pathlib import Path
 
 from tpsim.robot.description import Description
 from tpsim.study.files.about import TaskFile
+from tpsim.versions import versions
+from tpsim.world.threads import linear_algebra, one_thread
+
+SCHEMA = 3
+"""Version of the layout of ``run.json``."""
 
 UNITS = {
     "time": "s",
@@ -37,14 +42,18 @@ class Whole:
     ----------
     trials : int
         Number of trials in the folder.
-    models : dict of str to str
-        SHA-256 of every model's file, by behaviour.
+    files : dict of str to str
+        SHA-256 of scene, assets, trials and models, and of what ``demonstrations/`` say of
+        themselves.
+    record : str
+        SHA-256 of ``run.json`` with nothing in this place.
     finished : str
         When.
     """
 
     trials: int
-    models: dict[str, str]
+    files: dict[str, str]
+    record: str
     finished: str
 
 
@@ -94,6 +103,12 @@ class RunFile:
     sites: tuple[str, ...]
     units: dict[str, str]
     whole: Whole | None = None
+
+
+def environment() -> dict[str, str | None]:
+    """What the bits of a result depend on, besides the code that is run."""
+    with one_thread():
+        return versions(("tpsim", "numpy", "scipy", "mujoco", "pin")) | {"blas": linear_algebra()}
 
 
 def now() -> str:

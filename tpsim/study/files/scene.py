@@ -29,7 +29,8 @@ def write_world(folder: Path, world: World) -> tuple[str, dict[str, str]]:
     for name, content in world.assets.items():
         write_bytes(folder / ASSETS / name, content)
         sums[name] = checksum(content)
-    write_text(folder / SCENE, world.xml)
+    # Its empty file was the claim to the folder.
+    write_text(folder / SCENE, world.xml, replace=True)
     return checksum(world.xml.encode()), sums
 
 

@@ -15,7 +15,7 @@ from tpsim.study.files.checked import from_json, to_json
 from tpsim.world.trial import Channels, Trial
 
 SCHEMA = 2
-"""Version of the layout of trials and run folders."""
+"""Version of the layout of trials."""
 
 _TEXT = ("outcome", "channels", "about")
 
@@ -30,8 +30,6 @@ def save_trial(path: Path, trial: Trial) -> Path:
         made of plain values.
     """
     path = Path(path)
-    if path.exists():
-        raise RecordingError(f"{path} exists; recordings are never overwritten")
     _check(trial, path)
     members = dict(sorted(trial.arrays.items())) | {
         "schema": np.array(SCHEMA),

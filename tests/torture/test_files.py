@@ -85,7 +85,7 @@ def test_a_damaged_run_is_noticed(try_all, a_run, another_run, toy, extent):
 def test_a_run_whose_checksums_were_made_right(try_all, a_run, toy, extent):
     """Only what things mean is left to be checked."""
     use = partial(use_run, study=toy.study)
-    try_all(a_run, rehash.cases(a_run), use, extent, (12, 400), silent=True)
+    try_all(a_run, rehash.cases(a_run), use, extent, (8, 400), silent=True)
 
 
 def use_model(folder, name):

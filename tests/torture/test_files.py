@@ -4,9 +4,10 @@ A few run with the suite; ``pytest -m torture tests/torture -s`` runs thousands.
 """
 
 import itertools
+import json
 import random
+import shutil
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +16,6 @@ import tpsim
 from tpsim.data import read
 from tpsim.data.commands import info
 from tpsim.deploy.policy import Policy
-from tpsim.errors import TpsimError
 from tpsim.pose import Pose
 from tpsim.section8.run import run as run_cells
 from tpsim.study.files.run import load_run
@@ -39,6 +39,10 @@ def try_all(tmp_path, request):
         cases = list(cases)
         if not extent:
             cases = [(what, change) for what, change in cases if "bomb" not in what]
+        # What is damaged was whole, or all would be refused and nothing tested.
+        whole = shutil.copytree(original, tmp_path / "whole" / original.name)
+        assert use(whole) == "as before"
+        shutil.rmtree(tmp_path / "whole")
         chosen = random.Random(0).sample(cases, min(counts[extent], len(cases)))
         ledger = judge(original, chosen, use, tmp_path / "space", silent=silent)
         print(f"\n{request.node.name}: {ledger}, of {len(cases)} that there are")
@@ -50,8 +54,8 @@ def try_all(tmp_path, request):
     return try_all
 
 
-def use_run(folder, study):
-    """Replay a run, and go on from it."""
+def use_run(folder, study, said=None):
+    """Replay a run, and go on from it; the same values in other words of JSON are no damage."""
     run = load_run(folder)
     found = replay(run, study)
     if not found["repeats"]:
@@ -59,7 +63,8 @@ def use_run(folder, study):
         return "noticed"
     models_of(study, run)
     demonstrations_of(study, run)
-    return "as before"
+    same = said is not None and json.loads((folder / "run.json").read_text()) == said
+    return "in other words" if same and folder.parent.name != "whole" else "as before"
 
 
 @EXTENT
@@ -71,7 +76,8 @@ def test_a_damaged_run_is_noticed(try_all, a_run, another_run, toy, extent):
         (f"run.json: {what}", lambda f, text=text: tamper.write(f / "run.json", text))
         for what, text in tamper.in_json((a_run / "run.json").read_text(), 60, 1)
     ]
-    use = partial(use_run, study=toy.study)
+    original = json.loads((a_run / "run.json").read_text())
+    use = partial(use_run, study=toy.study, said=original)
     try_all(a_run, [*kept, *swapped, *said], use, extent, (8, 400))
 
 
@@ -79,7 +85,7 @@ def test_a_damaged_run_is_noticed(try_all, a_run, another_run, toy, extent):
 def test_a_run_whose_checksums_were_made_right(try_all, a_run, toy, extent):
     """Only what things mean is left to be checked."""
     use = partial(use_run, study=toy.study)
-    try_all(a_run, rehash.cases(a_run), use, extent, (12, 600), silent=True)
+    try_all(a_run, rehash.cases(a_run), use, extent, (8, 400), silent=True)
 
 
 def use_model(folder, name):
@@ -142,7 +148,7 @@ def test_damaged_results_of_a_comparison(try_all, cells, extent):
 
     def use(folder):
         for cell, trial in _cells(cells, folder).items():
-            assert np.isfinite(trial.figures).any() and trial.figures.shape == before[cell].shape
+            assert trial.figures.shape == before[cell].shape
         return "as before"
 
     cases = [
@@ -150,7 +156,7 @@ def test_damaged_results_of_a_comparison(try_all, cells, extent):
         for what, change in (*tamper.in_archive(first), *tamper.bombs(first))
     ]
     cases += list(tamper.places(cells.folder, 6))
-    try_all(cells.folder, cases, use, extent, (5, 200), silent=True)
+    try_all(cells.folder, cases, use, extent, (5, 150), silent=True)
 
 
 def _cells(cells, folder):
@@ -176,16 +182,3 @@ def test_damaged_recordings_of_others(try_all, tmp_path, maker, extent):
     use = partial(use_data, name=path.name)
     ledger = try_all(folder, cases, use, extent, (3, 60), silent=True)
     assert not extent or ledger.counts.total() >= 12
-
-
-def test_the_use_of_every_original_is_as_before(a_run, toy, models, policy):
-    """What is damaged was whole: else all would be refused, and nothing tested."""
-    assert use_run(a_run, toy.study) == "as before"
-    assert use_policy(policy) == "as before"
-    for file in models.iterdir():
-        try:
-            use_model(models, file.name)
-        except TpsimError as error:
-            assert "again.npz exists" in str(error)
-        finally:
-            Path(models.parent / "again.npz").unlink(missing_ok=True)

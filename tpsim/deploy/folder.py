@@ -23,7 +23,7 @@ from tpsim.deploy.recipes import (
 from tpsim.deploy.robot_file import RobotFile
 from tpsim.deploy.sensed import objects_in
 from tpsim.deploy.values import Reader, taken_apart
-from tpsim.errors import ArgumentError, RecordingError, TpsimError
+from tpsim.errors import ArgumentError, RecordingError, TpsimError, in_one_line
 from tpsim.gaussian import Gaussian
 from tpsim.learning.free_movement import Relevance
 from tpsim.npz import read_members, write_members
@@ -123,11 +123,12 @@ def read(folder: Path, views: Sequence[type[View]] = ()) -> tuple[Content, Robot
     kinds = {kind.__name__: kind for kind in (*_PARTS, *_RECIPES, *_VIEWS, *views)}
     reader = Reader(kinds, read_members(folder / ARRAYS), where)
     whole = cast(_Whole, reader.read(about.get("policy"), _Whole))
-    robot = Robot(whole.robot.mechanism())
     try:
+        robot = Robot(whole.robot.mechanism())
         _check(whole.content, robot)
-    except (TpsimError, ValueError, TypeError, LookupError) as error:
-        reason = " ".join(str(error).split())
+    # Pinocchio raises RuntimeError for what is no inertia.
+    except (TpsimError, ValueError, TypeError, LookupError, RuntimeError) as error:
+        reason = in_one_line(error)
         raise RecordingError(f"{where} is damaged: it does not fit together ({reason})") from None
     return whole.content, robot
 
@@ -138,6 +139,9 @@ def _check(content: Content, robot: Robot) -> None:
     recipe.controller(robot, robot.home, content.period)
     ahead = Pose(np.eye(3), np.array([0.5, 0.1, 0.2]))
     state = robot.at(robot.home, objects=dict.fromkeys(objects_in(recipe), ahead))
+    with np.errstate(all="ignore"):
+        if not (np.isfinite(state.mass).all() and np.isfinite(state.bias).all()):
+            raise ArgumentError("the robot's inertia or gravity is no number")
     for view, size in recipe.seen():
         if (found := view(state).value.size) != size:
             raise ArgumentError(f"a model of {size} dimensions has a view of {found}")

@@ -71,6 +71,10 @@ class RobotFile:
         for name, shape in shapes.items():
             if getattr(self, name).shape != shape:
                 raise ArgumentError(f"{name} has shape {getattr(self, name).shape}, not {shape}")
+            # Only limits may be infinite: there are joints without any.
+            bounded = name not in ("lower", "upper", "velocity_limit", "torque_limit")
+            if bounded and not np.isfinite(getattr(self, name)).all():
+                raise ArgumentError(f"{name} is not finite")
         ordered = all(-1 <= parent < i for i, parent in enumerate(self.parents))
         counts = len(self.parents) == len(self.hinges) == n and len(self.carriers) == k
         if not (n and ordered and counts and all(-1 <= c < n for c in self.carriers)):

@@ -8,7 +8,7 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import msgspec
 import numpy as np
 
-from tpsim.errors import ArgumentError, RecordingError
+from tpsim.errors import ArgumentError, RecordingError, in_one_line
 
 Kinds = Mapping[str, type]
 """Dataclasses that a file may hold, by name."""
@@ -130,7 +130,8 @@ class Reader:
         raise self._wrong(f"{found!r:.40} is out of place", path)
 
     def _wrong(self, what: str, path: str) -> RecordingError:
-        return RecordingError(f"{self._where} is damaged: {' '.join(what.split())} - at `{path}`")
+        line = in_one_line(ValueError(what))
+        return RecordingError(f"{self._where} is damaged: {line} - at `{path:.200}`")
 
 
 _PLAIN = (bool, int, float, str, type(None))

@@ -1,7 +1,11 @@
 """What recordings may ask for: bounds on times, rates and sizes, checked before anything runs."""
 
+from typing import TYPE_CHECKING
+
 from tpsim.errors import RecordingError
-from tpsim.study.condition import Condition
+
+if TYPE_CHECKING:  # where policies run there is no simulator
+    from tpsim.study.condition import Condition
 
 TIMESTEP = 1e-5, 0.1
 """Time step of a recorded scene [s], least and most."""
@@ -16,7 +20,7 @@ ASSETS = 2**30
 """Bytes of all meshes and textures."""
 
 
-def check_condition(condition: Condition, timestep: float, where: object) -> None:
+def check_condition(condition: "Condition", timestep: float, where: object) -> None:
     """Refuse a condition that would run for ever or fill the memory.
 
     Parameters
@@ -47,7 +51,7 @@ def check_condition(condition: Condition, timestep: float, where: object) -> Non
             raise RecordingError(f"{where}: {name} is {number}; from 0 to below 2^63")
 
 
-def _times(condition: Condition) -> dict[str, float]:
+def _times(condition: "Condition") -> dict[str, float]:
     times = {"duration": condition.duration or 0.0, "plant.latency": condition.plant.latency}
     for i, lead in enumerate(condition.lead):
         for name in ("start", "duration", "rest"):

@@ -50,7 +50,7 @@ def pushed(tmp_path_factory):
 
 def test_a_run_answers_with_figures_limits_and_paths(toy_run):
     answer, folder = toy_run
-    keys = ["task", "seed", "trials", "figures", "missed", "wall_seconds", "paths"]
+    keys = ["task", "seed", "trials", "figures", "missed", "lost", "wall_seconds", "paths"]
     assert list(answer) == keys
     assert (answer["task"], answer["seed"], answer["trials"]) == ("bring", 3, 9)
     assert set(answer["figures"]) == {"gap", "strength", "realtime_factor"}

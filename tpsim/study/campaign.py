@@ -1,11 +1,9 @@
 """The verb run: the whole job of a study, from teaching to its report."""
 
 import inspect
-import shutil
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from dataclasses import asdict
 from pathlib import Path
 
@@ -18,12 +16,14 @@ from tpsim.study import clips, figures, learned, series
 from tpsim.study.files.run import Run
 from tpsim.study.measure import Result
 from tpsim.study.record import Records
-from tpsim.study.recording import Answer, open_folder, record_all, say
-from tpsim.study.report import write_report
+from tpsim.study.recording import Answer, kept_or_removed, open_folder, record_all, say
+from tpsim.study.report import Section, write_report
 from tpsim.study.study import Lab, Plan, Study
 from tpsim.study.teaching import taught_all
 from tpsim.study.teaching_files import write_demonstrations
 from tpsim.task.verbs import learn
+
+_LOST = "They ended their worker process twice; no figure counts them."
 
 
 def run(
@@ -58,15 +58,30 @@ def run(
     -------
     dict
         ``task``, ``seed``, ``trials``, ``figures`` by name, ``missed`` (titles of the measures
-        whose limit is not kept), ``wall_seconds``, ``paths`` to ``run``, ``report``, ``film``.
+        whose limit is not kept), ``lost`` (trials that ended their worker twice, with the
+        reason), ``wall_seconds``, ``paths`` to ``run``, ``report``, ``film``.
     """
     began, task = time.monotonic(), study.task
     figures.check(study)
     command = command or f"tpsim.lab.run(study, {plan!r})  # {task!r}"
     settings = {"plan": asdict(plan), "demonstrations": task.demonstrations}
     opened = open_folder(study, command, settings, plan.seed, folder)
-    with removed_if_nothing_came(opened.folder):
-        taught = taught_all(study, task.demonstrations, plan.seed, workers)
+    with kept_or_removed(opened.folder):
+        return _work(opened, study, plan, workers, video, progress, command, began)
+
+
+def _work(
+    opened: Run,
+    study: Study,
+    plan: Plan,
+    workers: int,
+    video: bool,
+    progress: bool,
+    command: str,
+    began: float,
+) -> Answer:
+    task = study.task
+    taught = taught_all(study, task.demonstrations, plan.seed, workers)
     for behaviour, trials in taught.items():
         where = opened.folder / "demonstrations" / behaviour
         write_demonstrations(where, study, behaviour, trials, seed=plan.seed, command=command)
@@ -77,7 +92,8 @@ def run(
     say("measuring")
     results = figures.results(lab, records)
     film, hint = _film(opened, lab, records) if video else (None, "No film was asked for.")
-    opened = opened.finish()
+    # A folder in which a trial is missing is not whole.
+    opened = opened if records.lost else opened.finish()
     report = _report(opened, lab, records, results, film, hint)
     return {
         "task": task.name,
@@ -85,6 +101,7 @@ def run(
         "trials": len(records),
         "figures": {result.name: result.value for result in results},
         "missed": [result.title for result in results if result.passed is False],
+        "lost": [lost.row() for lost in records.lost],
         "wall_seconds": round(time.monotonic() - began, 1),
         "paths": {
             "run": str(opened.folder),
@@ -92,16 +109,6 @@ def run(
             "film": None if film is None else str(film),
         },
     }
-
-
-@contextmanager
-def removed_if_nothing_came(folder: Path) -> Iterator[None]:
-    """Take a new run folder away again if the first thing that should fill it fails."""
-    try:
-        yield
-    except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise
 
 
 def _experiment(run: Run, lab: Lab, plan: Plan, workers: int, progress: bool) -> Records:
@@ -138,6 +145,9 @@ def _report(
         sections = series.sections(records, study.all_measures)
     else:
         sections = study.sections(records)
+    if records.lost:
+        rows = [lost.row() for lost in records.lost]
+        sections = [Section("Trials that are missing", _LOST, table=rows), *sections]
     return write_report(
         run.folder / "report.html",
         title=study.title or task.name,

@@ -7,6 +7,7 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from tpsim import paths
+from tpsim.errors import SimulationError
 from tpsim.study import learned
 from tpsim.study.files.models_file import save_models
 from tpsim.study.recording import Answer, say
@@ -17,7 +18,7 @@ from tpsim.study.teaching_files import (
     replaced,
     write_demonstrations,
 )
-from tpsim.study.workers import Workers
+from tpsim.study.workers import Death, Workers
 from tpsim.task.task import Task
 from tpsim.task.verbs import Taught
 from tpsim.task.verbs import learn as learn_behaviours
@@ -118,7 +119,16 @@ def taught_all(study: Study, count: int, seed: int, workers: int = 1) -> dict[st
     if workers == 1 or len(behaviours) == 1:
         return {behaviour: _taught(study.task, count, seed, behaviour) for behaviour in behaviours}
     with Workers(min(workers, len(behaviours)), _teacher, (study.task, count, seed)) as pool:
-        return dict(zip(behaviours, pool.map(behaviours), strict=True))
+        return {
+            name: _whole(name, found)
+            for name, found in zip(behaviours, pool.map(behaviours), strict=True)
+        }
+
+
+def _whole(behaviour: str, found: list[Trial] | Death) -> list[Trial]:
+    if isinstance(found, Death):
+        raise SimulationError(f"'{behaviour}' was not taught: {found}")
+    return found
 
 
 def _teacher(given: tuple[Task, int, int]) -> "partial[list[Trial]]":
@@ -128,6 +138,7 @@ def _teacher(given: tuple[Task, int, int]) -> "partial[list[Trial]]":
 def _taught(task: Task, count: int, seed: int, behaviour: str) -> list[Trial]:
     """Demonstrations of one behaviour; standard error says how every attempt ends."""
     good = 0
+    say(f"teaching {behaviour}: {count} demonstrations")
 
     def tell(name: str, attempt: int, outcome: str) -> None:
         nonlocal good

@@ -8,7 +8,7 @@ from typing import IO
 
 import numpy as np
 
-from tpsim.errors import RecordingError
+from tpsim.errors import RecordingError, one_line
 from tpsim.whole import whole_file
 
 MEMBERS = 1024
@@ -51,7 +51,7 @@ def read_members(path: str | Path) -> dict[str, np.ndarray]:
             return {i.filename.removesuffix(".npy"): _read(archive, i) for i in infos}
     # The parsers of zip and npy raise about anything when bytes are tampered with.
     except Exception as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
+        reason = one_line(error)
         raise RecordingError(
             f"{path} is truncated or no recording ({reason:.200}); delete it and record again"
         ) from None

@@ -16,12 +16,15 @@ from tyro.conf import FlagCreatePairsOff, Positional, arg
 from tpsim.cli.comparison import Compare
 from tpsim.cli.export import Export
 from tpsim.cli.options import (
+    HOUR,
+    MANY,
+    SEEDS,
     Answer,
     Command,
     Learning,
     SeededCommand,
     StudyCommand,
-    not_negative,
+    number,
     positive,
 )
 from tpsim.cli.recordings import Data
@@ -46,14 +49,22 @@ class Run(SeededCommand):
     """Number of pushes in each situation."""
     workers: int | None = None
     """Number of processes (default: one per core)."""
+    strict: FlagCreatePairsOff[bool] = False
+    """Exit with 3 if a figure misses its limit."""
 
     def check(self) -> None:
         """Check the counts."""
         super().check()
-        positive("--situations", self.situations)
-        positive("--pushes", self.pushes)
+        number("--situations", self.situations, 1, MANY)
+        number("--pushes", self.pushes, 1, MANY)
         if self.workers is not None:
-            positive("--workers", self.workers)
+            number("--workers", self.workers, 1, MANY)
+
+    def exit_code(self, answer: Answer) -> int:
+        """1 where a trial is missing, 3 where a limit was missed and that was to be told."""
+        if answer.get("lost"):
+            return 1
+        return 3 if self.strict and answer.get("missed") else 0
 
     def execute(self, study: "Study", line: str) -> Answer:
         """Run the study."""
@@ -82,7 +93,7 @@ class Teach(SeededCommand):
         """Check the count."""
         super().check()
         if self.count is not None:
-            positive("--count", self.count)
+            number("--count", self.count, 1, MANY)
 
     def execute(self, study: "Study", line: str) -> Answer:
         """Teach all behaviours of the task."""
@@ -114,7 +125,7 @@ class Reproduce(Learning, SeededCommand):
     def check(self) -> None:
         """Check the situation's number."""
         super().check()
-        not_negative("--situation", self.situation)
+        number("--situation", self.situation, 0, SEEDS)
 
     def execute(self, study: "Study", line: str) -> Answer:
         """Perform the task in one situation."""
@@ -132,7 +143,7 @@ class Reproduce(Learning, SeededCommand):
 
 @dataclass(frozen=True, kw_only=True)
 class Push(Reproduce):
-    """Repeat the learned task while a force acts on the robot, beside the same trial unpushed."""
+    """Repeat the learned task while a force acts on the robot, beside the same unpushed."""
 
     force: tuple[float, float, float] = (0.0, 20.0, 0.0)
     """Force in the world's axes [N]."""
@@ -149,8 +160,9 @@ class Push(Reproduce):
         if not all(map(math.isfinite, self.force)) or not any(self.force):
             given = " ".join(map(str, self.force))
             raise ArgumentError(f"--force {given}: give three finite numbers [N], not all zero")
-        not_negative("--start", self.start)
+        number("--start", self.start, 0, HOUR)
         positive("--duration", self.duration)
+        number("--duration", self.duration, 0, HOUR)
 
     def execute(self, study: "Study", line: str) -> Answer:
         """Perform the task twice, pushed and not."""
@@ -188,10 +200,10 @@ class Replay(Command):
         study = None if self.study is None else load_study(self.study)
         return replay(load_run(self.folder), study)
 
-    def succeeded(self, answer: Answer) -> bool:
-        """Whether every trial of a whole run came out again."""
+    def exit_code(self, answer: Answer) -> int:
+        """0 where every trial of a whole run came out again."""
         same = answer["identical"] == answer["trials"]
-        return same and bool(answer["whole"]) and not answer["missing"]
+        return 0 if same and answer["whole"] and not answer["missing"] else 1
 
 
 @dataclass(frozen=True, kw_only=True)

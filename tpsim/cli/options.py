@@ -15,6 +15,15 @@ from tpsim.errors import ArgumentError
 if TYPE_CHECKING:
     from tpsim.study.study import Study
 
+SEEDS = 2**32 - 1
+"""Greatest seed: recordings hold 32 bits."""
+
+MANY = 1_000_000
+"""Most situations, pushes, demonstrations: more would fill the memory before anything starts."""
+
+HOUR = 3600.0
+"""Longest push [s], and latest start."""
+
 Answer = Mapping[str, object]
 """What a command has to say: plain values and paths by name."""
 
@@ -31,9 +40,9 @@ class Options:
     def check(self) -> None:
         """Raise ArgumentError for options that make no sense, before anything heavy happens."""
 
-    def succeeded(self, answer: Answer) -> bool:
-        """Whether the work came out as it should; the exit code says so."""
-        return True
+    def exit_code(self, answer: Answer) -> int:
+        """0 where the work came out as it should, else 1, or 3 where only a limit was missed."""
+        return 0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +91,7 @@ class SeededCommand(StudyCommand):
     def check(self) -> None:
         """Check the seed."""
         super().check()
-        not_negative("--seed", self.seed)
+        number("--seed", self.seed, 0, SEEDS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,6 +122,18 @@ def known(kind: str, given: str, allowed: Iterable[str]) -> None:
     if given not in names:
         hint = nearest(given, names)
         raise ArgumentError(f"unknown {kind} {given!r}{hint} (known: {', '.join(names)})")
+
+
+def number(name: str, value: float, least: float, greatest: float) -> None:
+    """Raise ArgumentError unless ``value`` is from ``least`` to ``greatest``."""
+    if not least <= value <= greatest:
+        raise ArgumentError(f"{name} {shortened(value)}: give a number from {least} to {greatest}")
+
+
+def shortened(value: object) -> str:
+    """A value as it was given, cut where it would fill the screen."""
+    text = str(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."
 
 
 def positive(name: str, value: float) -> None:

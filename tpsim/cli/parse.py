@@ -16,6 +16,7 @@ from tpsim.cli.commands import COMMANDS
 from tpsim.cli.fields import varied, with_fields
 from tpsim.cli.options import Answer, Command, Options, StudyCommand, known, nearest
 from tpsim.cli.recordings import LearnFile
+from tpsim.cli.summaries import fitted
 from tpsim.errors import ArgumentError
 from tpsim.tasks import STUDIES
 
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from tpsim.study.study import Study
 
 HELP = {"-h", "--help"}
+
+SHELLS = ("bash", "zsh", "fish")
 
 O = TypeVar("O", bound=Options)
 
@@ -66,9 +69,11 @@ def parse(arguments: Sequence[str]) -> Call:
         names = ", ".join(COMMANDS)
         raise ArgumentError(f"give a command: {names}; tpsim --help describes them")
     name, *rest = arguments
-    if name in HELP:
-        _describe()
+    if name == "--completion":
+        _complete(rest)
     known("command", name, COMMANDS)
+    for before, word in zip(arguments, rest, strict=False):
+        _not_empty(before, word)
     line, command = shlex.join(["tpsim", *arguments]), COMMANDS[name]
     if name == "learn" and _names_a_recording(rest):
         command = LearnFile
@@ -123,9 +128,9 @@ def _read(options: type[O], name: str, words: Sequence[str]) -> O:
 
 def _told(options: type[O], name: str, words: Sequence[str]) -> tuple[O, list[str]]:
     """Options out of words, and the words that are none; tyro's complaint in one line."""
-    said = io.StringIO()
+    said, shown = io.StringIO(), io.StringIO()
     try:
-        with contextlib.redirect_stderr(said):
+        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(shown):
             return tyro.cli(
                 options,
                 prog=f"tpsim {name}",
@@ -136,6 +141,7 @@ def _told(options: type[O], name: str, words: Sequence[str]) -> tuple[O, list[st
     except SystemExit as usage:
         if usage.code:
             raise ArgumentError(f"{name}: {_first_part(said.getvalue())}") from None
+        print(fitted(shown.getvalue()))
         raise
 
 
@@ -146,12 +152,21 @@ def _first_part(box: str) -> str:
     return " ".join(lines[:end])
 
 
-def _describe() -> None:
-    """Print what commands there are, and leave."""
+def _not_empty(before: str, word: str) -> None:
+    """An empty word is no name: as a folder it would be the current one."""
+    option, equals, value = word.partition("=")
+    if not word.strip():
+        raise ArgumentError(f"an empty word follows {before!r}; give a value, or leave it out")
+    if option.startswith("--") and equals and not value.strip():
+        raise ArgumentError(f"{option} has no value; give one, or leave it out")
+
+
+def _complete(words: Sequence[str]) -> None:
+    """Print a script that completes commands and options, and leave."""
+    shell = words[0] if len(words) == 1 else "nothing"
+    if shell not in SHELLS:
+        raise ArgumentError(f"--completion {shell}: give one of {', '.join(SHELLS)}")
     tyro.extras.subcommand_cli_from_dict(
-        dict(COMMANDS),
-        prog="tpsim",
-        description="Task-parameterized movement learning on torque-controlled robots.",
-        args=["--help"],
+        dict(COMMANDS), prog="tpsim", args=["--tyro-print-completion", shell]
     )
     sys.exit(0)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from tpsim.errors import RecordingError, TpsimError
+from tpsim.errors import RecordingError, TpsimError, one_line
 
 
 @contextmanager
@@ -32,5 +32,5 @@ def opened(path: Path, what: str) -> Iterator[None]:
     except MemoryError as error:
         raise RecordingError(f"{path}: needs more memory than there is") from error
     except Exception as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
+        reason = one_line(error)
         raise RecordingError(f"{path} is truncated or no {what} ({reason[:200]})") from error

@@ -22,7 +22,7 @@ from tpsim.deploy.recipes import (
 from tpsim.deploy.robot_file import RobotFile
 from tpsim.deploy.sensed import objects_in
 from tpsim.deploy.values import Reader, taken_apart
-from tpsim.errors import ArgumentError, RecordingError, TpsimError
+from tpsim.errors import ArgumentError, RecordingError, TpsimError, one_line
 from tpsim.gaussian import Gaussian
 from tpsim.npz import read_members, write_members
 from tpsim.pose import Pose
@@ -125,7 +125,7 @@ def read(folder: Path, views: Sequence[type[View]] = ()) -> tuple[Content, Robot
     try:
         _check(whole.content, robot)
     except (TpsimError, ValueError, TypeError, LookupError) as error:
-        reason = " ".join(str(error).split())
+        reason = one_line(error)
         raise RecordingError(f"{where} is damaged: it does not fit together ({reason})") from None
     return whole.content, robot
 

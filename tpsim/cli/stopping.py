@@ -31,7 +31,7 @@ def listening(for_good: bool) -> Iterator[None]:
     """End what is done in this block in order when one of the signals comes.
 
     Signals that are ignored, as under nohup, stay ignored. Afterwards they do what they did before
-    or, where this is for good, end the process silently.
+    or, where this is for good, end the process at once.
     """
     global _first, _told
     _first, _told = None, False
@@ -46,7 +46,7 @@ def listening(for_good: bool) -> Iterator[None]:
     finally:
         sys.unraisablehook = hook
         for number, handler in before.items():
-            signal.signal(number, signal.SIG_DFL if for_good else handler)
+            signal.signal(number, _end if for_good else handler)
 
 
 def stopped() -> bool:
@@ -87,6 +87,11 @@ def _stop(number: int, _: FrameType | None) -> None:
     timer.daemon = True
     timer.start()
     raise Stopped
+
+
+def _end(number: int, _: FrameType | None) -> None:
+    """What signals do when all is done, and Python ends."""
+    os._exit(128 + (_first or number))
 
 
 def _not_raised(about: "sys.UnraisableHookArgs") -> None:

@@ -26,8 +26,9 @@ def whole_path(path: Path) -> Iterator[Path]:
         yield temporary
         temporary.replace(path)
     except OSError as error:
-        # A full disk names no file.
-        error.filename = error.filename or str(path)
+        # A full disk names no file, and the temporary name is nobody's concern.
+        if error.filename in (None, str(temporary)):
+            error.filename, error.filename2 = str(path), None
         raise
     finally:
         temporary.unlink(missing_ok=True)

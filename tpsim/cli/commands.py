@@ -26,6 +26,7 @@ from tpsim.cli.options import (
     StudyCommand,
     number,
     positive,
+    writable,
 )
 from tpsim.cli.recordings import Data
 from tpsim.errors import ArgumentError
@@ -242,6 +243,7 @@ class Demo(Command):
 
     def check(self) -> None:
         """Check that one row, or all, or none is asked for."""
+        writable("--folder", self.folder)
         if self.all and (self.name or self.show):
             raise ArgumentError("--all runs every row and opens no window; give it alone")
         if self.show and self.name is None:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from tyro.conf import arg
 
-from tpsim.cli.options import MANY, SEEDS, Answer, Command, number
+from tpsim.cli.options import MANY, SEEDS, Answer, Command, number, writable
 from tpsim.errors import ArgumentError
 from tpsim.versions import cores
 
@@ -35,8 +35,7 @@ class Compare(Command):
         number("--seed", self.seed, 0, SEEDS)
         if self.workers is not None:
             number("--workers", self.workers, 1, MANY)
-        if self.folder is not None and self.folder.is_file():
-            raise ArgumentError(f"--folder {self.folder} is a file; give a new or empty folder")
+        writable("--folder", self.folder)
         if self.data is not None and not self.data.exists():
             raise ArgumentError(f"--data {self.data} does not exist; give a file or a folder")
 

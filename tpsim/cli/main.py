@@ -11,6 +11,9 @@ from collections.abc import Sequence
 
 from tpsim.cli import stopping
 
+_LONGEST = 800
+"""Most letters of an error: names can be as long as a screen."""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command line, by default that of this process.
@@ -28,7 +31,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except BaseException as error:
             if not (stopping.stopped() or isinstance(error, KeyboardInterrupt)):
                 raise
-            return stopping.tell(error, _again(words))
+            code = stopping.tell(error, _again(words))
+            if arguments is None:
+                os._exit(code)  # what Python does at its end takes long, and is not needed
+            return code
 
 
 def _main(words: list[str]) -> int:
@@ -75,8 +81,11 @@ def _answered(words: list[str]) -> int:
         call = parse(words)
     except SystemExit as usage:
         return int(usage.code or 0)
-    with contextlib.redirect_stdout(sys.stderr):
-        answer = call.execute()
+    try:
+        with contextlib.redirect_stdout(sys.stderr):
+            answer = call.execute()
+    except SystemExit as left:
+        return _fail(f"code of the study ended the program with sys.exit({left.code!r})", 1)
     from tpsim.study.summary import plain, summary
 
     if call.options.json:
@@ -114,5 +123,7 @@ def _again(words: list[str]) -> str:
 
 
 def _fail(message: str, code: int) -> int:
+    if len(message) > _LONGEST:
+        message = f"{message[: _LONGEST - 150]} ... {message[-150:]}"
     print(f"tpsim: {message}", file=sys.stderr)
     return code

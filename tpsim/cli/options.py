@@ -2,6 +2,7 @@
 
 import difflib
 import math
+import tempfile
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -66,8 +67,7 @@ class StudyCommand(Options, ABC):
 
     def check(self) -> None:
         """Check the folder."""
-        if self.folder is not None and self.folder.is_file():
-            raise ArgumentError(f"--folder {self.folder} is a file; give a new or empty folder")
+        writable("--folder", self.folder)
 
     @abstractmethod
     def execute(self, study: "Study", line: str) -> Answer:
@@ -108,6 +108,21 @@ class Learning(StudyCommand):
             raise ArgumentError(
                 f"--demonstrations {self.demonstrations}: give a folder that tpsim teach wrote"
             )
+
+
+def writable(name: str, folder: Path | None) -> None:
+    """Raise ArgumentError where a folder could not be made or written to; nothing stays there."""
+    if folder is None:
+        return
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise ArgumentError(f"{name} {folder} is a file; give a new or empty folder")
+        there = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
+        with tempfile.TemporaryDirectory(dir=there):
+            pass
+    except OSError as error:
+        given = shortened(folder)
+        raise ArgumentError(f"{name} {given} cannot be written to ({error.strerror})") from None
 
 
 def nearest(given: str, names: Iterable[str]) -> str:

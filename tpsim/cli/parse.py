@@ -149,7 +149,7 @@ def _first_part(box: str) -> str:
     """What a box of tyro says before its first line of division."""
     lines = [line.strip("│ ") for line in box.splitlines()[1:]]
     end = next((i for i, line in enumerate(lines) if re.match("[─╰]", line)), len(lines))
-    return " ".join(lines[:end])
+    return re.sub(r"^[-─]{5,} ", "", " ".join(lines[:end]))
 
 
 def _not_empty(before: str, word: str) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, arg
 
-from tpsim.cli.options import MANY, Answer, Command, number
+from tpsim.cli.options import MANY, Answer, Command, number, writable
 from tpsim.errors import ArgumentError
 
 
@@ -56,6 +56,7 @@ class LearnFile(Command):
         """Check the number of Gaussians."""
         if self.components is not None:
             number("--components", self.components, 1, MANY)
+        writable("--folder", self.folder)
 
     def execute(self) -> Answer:
         """Walk from the file to a model and a picture."""

@@ -19,6 +19,7 @@ GRACE = 3.0
 """Time [s] that the work has to end in order."""
 
 _first: int | None = None
+_timer: threading.Timer | None = None
 _told = False
 
 
@@ -45,6 +46,8 @@ def listening(for_good: bool) -> Iterator[None]:
         yield
     finally:
         sys.unraisablehook = hook
+        if _timer is not None and not for_good:
+            _timer.cancel()
         for number, handler in before.items():
             signal.signal(number, _end if for_good else handler)
 
@@ -65,6 +68,7 @@ def tell(error: BaseException, again: str) -> int:
         with suppress(OSError):  # the terminal may be gone
             line = f"tpsim: {_word()}{kept and '; ' + kept}. To start again: {again}"
             print(line, file=sys.stderr, flush=True)
+            sys.stdout.flush()
     return _code()
 
 
@@ -78,14 +82,14 @@ def _code() -> int:
 
 
 def _stop(number: int, _: FrameType | None) -> None:
-    global _first
+    global _first, _timer
     if _first is not None:
         _leave()
     _first = number
     # Some code catches everything, and some loops hear nothing.
-    timer = threading.Timer(GRACE, _leave)
-    timer.daemon = True
-    timer.start()
+    _timer = threading.Timer(GRACE, _leave)
+    _timer.daemon = True
+    _timer.start()
     raise Stopped
 
 

@@ -77,7 +77,7 @@ def method_from(specification: str) -> Method:
     sys.modules[spec.name] = module
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise ArgumentError(
             f"--method {specification}: {path} fails with {type(error).__name__}: {error}"
         ) from error

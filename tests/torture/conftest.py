@@ -36,14 +36,14 @@ class Command:
         self._said = folder / f".said-{self.mark}"
         # Shells start what runs in the background deaf to SIGINT.
         deaf = signal.signal(signal.SIGINT, signal.default_int_handler)
-        with self._said.open("wb") as said:
+        with self._said.open("wb") as said, (folder / ".answer").open("wb") as answer:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", "tpsim", *words],
                 cwd=folder,
                 env={**os.environ, MARK: self.mark, **environment},
                 stdin=subprocess.DEVNULL,
-                stdout=said,
-                stderr=subprocess.STDOUT,
+                stdout=answer,
+                stderr=said,
             )
         signal.signal(signal.SIGINT, deaf)
 
@@ -53,7 +53,7 @@ class Command:
 
     @property
     def lines(self):
-        """What it said, without its progress."""
+        """What it said on standard error, without its progress."""
         text = self._said.read_text(errors="replace")
         return [line for line in text.splitlines() if not PROGRESS.match(line)]
 

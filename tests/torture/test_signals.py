@@ -126,7 +126,7 @@ def test_signals_at_random_moments(torture, lines, undisturbed, rng, tmp_path, c
             reached[name, how] = reached.get((name, how), 0) + 1
             if done % AGAIN == 0 and how != "worker":
                 again(torture, lines, undisturbed, name, tmp_path)
-        if done % 20 == 0:
+        if done % 5 == 0:
             with capsys.disabled():
                 print(f"{done} of {KILLS}", flush=True)
     with capsys.disabled():

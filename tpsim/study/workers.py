@@ -36,6 +36,8 @@ B = TypeVar("B")
 _AHEAD = 4
 """Results for each worker that may wait for one before them: memory does not grow with the work."""
 
+_WARNINGS = "PYTHONWARNINGS"
+
 _LOOK = 0.2
 """Time [s] between a worker's looks whether its driver is there."""
 
@@ -65,14 +67,15 @@ def processes(count: int) -> Executor:
     # Importing it takes a while, and what runs in one process does without.
     from loky import ProcessPoolExecutor
 
-    return ProcessPoolExecutor(
-        count,
-        timeout=None,
-        initializer=_end_with,
-        initargs=(os.getpid(),),
-        # A crash is told in one line; empty is off for Python and for loky.
-        env={"PYTHONFAULTHANDLER": ""},
-    )
+    with _deaf():
+        return ProcessPoolExecutor(
+            count,
+            timeout=None,
+            initializer=_end_with,
+            initargs=(os.getpid(),),
+            # A crash is told in one line; empty is off for Python and for loky.
+            env={"PYTHONFAULTHANDLER": ""},
+        )
 
 
 class Workers(Generic[A, B]):
@@ -234,10 +237,17 @@ def _deaf() -> Iterator[None]:
         yield
         return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+    told = os.environ.get(_WARNINGS)
+    # Who tidies up after a driver that was killed does so without paragraphs.
+    os.environ[_WARNINGS] = ",".join(filter(None, [told, "ignore:resource_tracker"]))
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if told is None:
+            del os.environ[_WARNINGS]
+        else:
+            os.environ[_WARNINGS] = told
 
 
 def _end_with(driver: int) -> None:

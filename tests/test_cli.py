@@ -1,5 +1,6 @@
 import json
 import os
+import signal
 import subprocess
 import sys
 from dataclasses import asdict
@@ -215,6 +216,27 @@ def test_an_interruption_says_how_to_go_on(run, calls, monkeypatch):
     code, out, err = run("run TOY --seed 4")
     assert (code, out) == (130, "")
     assert err.count("\n") == 1 and f"tpsim run {TOY} --seed 4" in err
+
+
+@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)])
+def test_a_signal_is_one_line_and_an_exit_code_of_its_own(run, calls, monkeypatch, name, code):
+    number = getattr(signal, name)
+    before = signal.signal(number, signal.default_int_handler)
+
+    def study_at_work(*_, **__):
+        try:
+            signal.raise_signal(number)
+        except BaseException as error:
+            error.add_note("finished trials are kept in there")
+            raise
+
+    monkeypatch.setattr(campaign, "run", study_at_work)
+    given, out, err = run("run TOY")
+    assert signal.signal(number, before) is signal.default_int_handler
+    assert (given, out) == (code, "")
+    what = "interrupted" if name == "SIGINT" else f"ended by {name}"
+    kept = "; finished trials are kept in there. To start again: tpsim run"
+    assert err.count("\n") == 1 and err.startswith(f"tpsim: {what}{kept}")
 
 
 def test_recorded_demonstrations_replay_bit_for_bit(run, tmp_path):

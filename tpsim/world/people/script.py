@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
-from scipy.signal import lfilter
 
 from tpsim import rotation, timeline
 from tpsim.errors import ArgumentError
@@ -106,6 +104,8 @@ def minimum_jerk(times, points):
     callable
         ``curve(t, k)``: k-th derivative at times t.
     """
+    from scipy.interpolate import make_interp_spline  # slow to import: only teachers need it
+
     times, points = np.asarray(times, float), np.asarray(points, float)
     if (np.diff(times) <= 0).any():
         raise ArgumentError(f"via times {times} must increase")
@@ -131,6 +131,8 @@ def wandering(steps: int, timestep: float, rng, variation: Variation):
 
 def _wander(rng, steps, timestep, deviation, time):
     """Stationary wandering (steps, 3): white noise through two equal first-order lags."""
+    from scipy.signal import lfilter  # slower yet
+
     pole = np.exp(-timestep / time)
     noise = rng.standard_normal((steps, 3))
     for _ in range(2):

@@ -108,6 +108,3 @@ def main() -> None:
                     out.write(painter.picture(sample).tobytes())
                     out.flush()
 
-
-if __name__ == "__main__":
-    main()

@@ -13,8 +13,6 @@ import pickle
 import re
 import signal
 import sys
-import threading
-import time
 import traceback
 import warnings
 from collections import deque
@@ -27,6 +25,7 @@ from typing import Generic, TypeVar
 
 import cloudpickle
 
+from tpsim.driver import end_with
 from tpsim.errors import SimulationError, TpsimError, one_line, place
 
 G = TypeVar("G")
@@ -37,9 +36,6 @@ _AHEAD = 4
 """Results for each worker that may wait for one before them: memory does not grow with the work."""
 
 _WARNINGS = "PYTHONWARNINGS"
-
-_LOOK = 0.2
-"""Time [s] between a worker's looks whether its driver is there."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +67,7 @@ def processes(count: int) -> Executor:
         return ProcessPoolExecutor(
             count,
             timeout=None,
-            initializer=_end_with,
+            initializer=_begin,
             initargs=(os.getpid(),),
             # A crash is told in one line; empty is off for Python and for loky.
             env={"PYTHONFAULTHANDLER": ""},
@@ -250,16 +246,9 @@ def _deaf() -> Iterator[None]:
             os.environ[_WARNINGS] = told
 
 
-def _end_with(driver: int) -> None:
-    """End this process when its driver is gone: a driver that is killed cannot end its workers."""
-
-    def look() -> None:
-        while os.getppid() == driver:
-            time.sleep(_LOOK)
-        os._exit(1)
-
-    threading.Thread(target=look, daemon=True).start()
-    # Nobody is there to read what a worker prints after its driver's end.
+def _begin(driver: int) -> None:
+    end_with(driver)
+    # Standard output is the driver's, for its answer.
     sys.stdout = sys.stderr
 
 

@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 
+from tpsim import driver
+
 NAMES = ("SIGINT", "SIGTERM", "SIGHUP")
 
 GRACE = 3.0
@@ -106,7 +108,8 @@ def _not_raised(about: "sys.UnraisableHookArgs") -> None:
 
 
 def _leave() -> None:
-    """End this process now."""
+    """End this process now, and those that it started."""
+    driver.end_others()
     if not _told:
         with suppress(OSError):
             # Printing may be what it was doing.

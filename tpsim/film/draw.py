@@ -107,4 +107,3 @@ def main() -> None:
                 for sample in samples:
                     out.write(painter.picture(sample).tobytes())
                     out.flush()
-

@@ -18,7 +18,7 @@ import warnings
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Generic, TypeVar
@@ -67,7 +67,7 @@ def processes(count: int) -> Executor:
         return ProcessPoolExecutor(
             count,
             timeout=None,
-            initializer=_begin,
+            initializer=end_with,
             initargs=(os.getpid(),),
             # A crash is told in one line; empty is off for Python and for loky.
             env={"PYTHONFAULTHANDLER": ""},
@@ -246,12 +246,6 @@ def _deaf() -> Iterator[None]:
             os.environ[_WARNINGS] = told
 
 
-def _begin(driver: int) -> None:
-    end_with(driver)
-    # Standard output is the driver's, for its answer.
-    sys.stdout = sys.stderr
-
-
 @lru_cache(1)
 def _made(packed: bytes) -> Callable:
     make, given = pickle.loads(packed)
@@ -262,7 +256,8 @@ def _made(packed: bytes) -> Callable:
 def _apply(packed: bytes, argument: bytes) -> bytes:
     """Apply the function, made at the first time, to an argument."""
     try:
-        return cloudpickle.dumps((_made(packed)(pickle.loads(argument)), None))
+        with redirect_stdout(sys.stderr):  # the driver's answer is alone on its own
+            return cloudpickle.dumps((_made(packed)(pickle.loads(argument)), None))
     except Exception as error:
         return _packed_error(error)
 

@@ -1,4 +1,6 @@
 import json
+import os
+import signal
 import subprocess
 import sys
 from dataclasses import asdict
@@ -11,6 +13,8 @@ import pytest
 import tpsim.bench
 from tpsim import paths
 from tpsim.cli import main as cli
+from tpsim.cli.commands import COMMANDS
+from tpsim.cli.summaries import SUMMARIES
 from tpsim.errors import ArgumentError, RecordingError, SimulationError
 from tpsim.study import campaign, teaching, trying
 from tpsim.study.study import Plan
@@ -134,8 +138,8 @@ def test_without_json_people_read_a_summary(run, calls):
         ("run cup-and-suga", "did you mean cup-and-sugar?"),
         ("run xyz", "'xyz'"),
         ("run cup.py:study", "cup.py"),
-        ("run TOY --seed -1", "--seed -1: give zero or a greater number"),
-        ("run TOY --situations 0", "--situations 0: give a number greater than zero"),
+        ("run TOY --seed -1", "--seed -1: give a number from 0 to 4294967295"),
+        ("run TOY --situations 0", "--situations 0: give a number from 1 to 1000000"),
         ("run TOY --pushes -2", "--pushes -2"),
         ("run TOY --workers 0", "--workers 0"),
         ("run TOY --efort 0.2", "unknown option '--efort'; did you mean '--effort'?"),
@@ -184,6 +188,8 @@ def test_a_folder_that_is_a_file_is_wrong_usage(run, calls, tmp_path):
         (SimulationError("the site left_hand\nis missing"), 1),
         (RecordingError("truncated"), 1),
         (PermissionError(13, "Permission denied", "/x"), 1),
+        (OSError(28, "No space left on device", "trial.npz"), 1),
+        (MemoryError(), 1),
         (ArgumentError("body 'nose' is unknown"), 2),
     ],
 )
@@ -196,7 +202,10 @@ def test_errors_are_one_line_on_stderr(run, calls, monkeypatch, error, code, as_
     given, out, err = run("run TOY" + as_json)
     assert (given, out) == (code, "")
     assert err.count("\n") == 1 and err.startswith("tpsim: ")
-    assert " ".join(str(error).split()) in err
+    if isinstance(error, OSError):
+        assert f"tpsim: {error.filename}: {error.strerror}\n" == err
+    else:
+        assert " ".join(str(error).split()) in err
 
 
 def test_an_interruption_says_how_to_go_on(run, calls, monkeypatch):
@@ -205,8 +214,29 @@ def test_an_interruption_says_how_to_go_on(run, calls, monkeypatch):
 
     monkeypatch.setattr(campaign, "run", interrupt)
     code, out, err = run("run TOY --seed 4")
-    assert (code, out) == (1, "")
+    assert (code, out) == (130, "")
     assert err.count("\n") == 1 and f"tpsim run {TOY} --seed 4" in err
+
+
+@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)])
+def test_a_signal_is_one_line_and_an_exit_code_of_its_own(run, calls, monkeypatch, name, code):
+    number = getattr(signal, name)
+    before = signal.signal(number, signal.default_int_handler)
+
+    def study_at_work(*_, **__):
+        try:
+            signal.raise_signal(number)
+        except BaseException as error:
+            error.add_note("finished trials are kept in there")
+            raise
+
+    monkeypatch.setattr(campaign, "run", study_at_work)
+    given, out, err = run("run TOY")
+    assert signal.signal(number, before) is signal.default_int_handler
+    assert (given, out) == (code, "")
+    what = "interrupted" if name == "SIGINT" else f"ended by {name}"
+    kept = "; finished trials are kept in there. To start again: tpsim run"
+    assert err.count("\n") == 1 and err.startswith(f"tpsim: {what}{kept}")
 
 
 def test_recorded_demonstrations_replay_bit_for_bit(run, tmp_path):
@@ -271,10 +301,52 @@ def test_help_names_every_command_and_imports_nothing_heavy():
         "import sys; from tpsim.cli.main import main; main(['--help']); print(sorted(sys.modules))"
     )
     shown = subprocess.run([sys.executable, "-c", look], capture_output=True, text=True)
-    names = "run teach learn reproduce push replay compare bench demo doctor"
-    assert all(f"• {name} " in shown.stdout for name in names.split())
-    heavy = ("mujoco", "pinocchio", "matplotlib", "numpy", "scipy")
+    assert all(f"  {name} " in shown.stdout for name in COMMANDS)
+    heavy = ("mujoco", "pinocchio", "matplotlib", "numpy", "scipy", "tyro")
     assert not any(f"'{module}'" in shown.stdout for module in heavy)
+
+
+def test_summaries_are_the_first_lines_of_docstrings():
+    found = {name: command.__doc__.splitlines()[0] for name, command in COMMANDS.items()}
+    assert found == SUMMARIES
+
+
+@pytest.mark.parametrize("line", ["--help", "push --help", "run cup-and-sugar --help"])
+@pytest.mark.parametrize("columns", [40, 80])
+def test_help_is_no_wider_than_the_terminal(run, monkeypatch, line, columns):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    code, out, _ = run(line)
+    assert code == 0 and max(map(len, out.splitlines())) <= columns
+
+
+def test_completion_knows_commands_and_options(run):
+    for shell in ("bash", "zsh", "fish"):
+        code, out, _ = run(f"--completion {shell}")
+        assert code == 0 and all(word in out for word in ("reproduce", "situations"))
+
+
+@pytest.mark.parametrize(
+    ("flags", "change", "code"),
+    [
+        ("", {}, 0),
+        ("", {"missed": ["tilt"]}, 0),
+        ("--strict", {"missed": ["tilt"]}, 3),
+        ("--strict", {}, 0),
+        ("--strict", {"missed": ["tilt"], "lost": [{"trial": 3, "reason": "signal 9"}]}, 1),
+    ],
+)
+def test_a_missed_limit_has_a_code_where_it_is_asked_for(run, monkeypatch, flags, change, code):
+    answer = {"task": "bring", "missed": [], "lost": []} | change
+    monkeypatch.setattr(campaign, "run", lambda *_, **__: answer)
+    assert run(f"run TOY {flags}")[0] == code
+
+
+def test_a_renderer_that_does_not_work_is_one_line_and_no_hindrance():
+    given = {**os.environ, "MUJOCO_GL": "wrong"}
+    line = [sys.executable, "-m", "tpsim", "reproduce", TOY, "--demonstrations", "nowhere"]
+    told = subprocess.run(line, capture_output=True, text=True, env=given).stderr
+    assert told.count("\n") == 2 and "MUJOCO_GL=wrong does not work here" in told
+    assert "--demonstrations nowhere" in told
 
 
 def test_the_version_is_printed(run):

@@ -10,7 +10,15 @@ import pytest
 
 import tpsim
 from tpsim.errors import RecordingError
-from tpsim.whole import newest, numbered_folder, whole_file, whole_folder, write_text
+from tpsim.whole import (
+    newest,
+    numbered_folder,
+    sweep,
+    whole_file,
+    whole_folder,
+    whole_path,
+    write_text,
+)
 
 
 def test_what_exists_is_never_overwritten(tmp_path):
@@ -131,3 +139,35 @@ def test_no_permission_no_folder_and_no_space_are_one_line(tmp_path):
     with refused, whole_folder(long):
         pass
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_an_error_of_the_disk_names_the_file_and_not_the_temporary_one(tmp_path):
+    full = OSError(28, "No space left on device")
+    for make, name in ((whole_file, "trial.npz"), (whole_folder, "new")):
+        path = tmp_path / name
+        with pytest.raises(RecordingError) as error, make(path):
+            raise full
+        assert f"cannot write {path} (No space" in str(error.value)
+        assert list(tmp_path.iterdir()) == []
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from tpsim import whole
+there = Path(sys.argv[1])
+with whole.whole_file(there / "trial.npz"), whole.whole_folder(there / "new"):
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_what_killed_processes_left_is_swept_and_nothing_else(tmp_path):
+    subprocess.run([sys.executable, "-c", KILLED, tmp_path])
+    assert len(list(tmp_path.iterdir())) == 2
+    kept = [".trial.npz", ".notes.part", f".far.elsewhere-{os.getpid()}-0.part"]
+    for name in kept:
+        (tmp_path / name).touch()
+    with whole_path(tmp_path / "other.npz") as mine:
+        mine.touch()
+        sweep(tmp_path)
+        assert {f.name for f in tmp_path.iterdir()} == {*kept, mine.name}

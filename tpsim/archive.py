@@ -12,7 +12,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from tpsim.errors import ArgumentError, RecordingError, in_one_line
+from tpsim.errors import ArgumentError, RecordingError, one_line
 from tpsim.npz import read_members, write_members
 
 SCHEMA = 1
@@ -73,7 +73,7 @@ def load(path: str | Path) -> Stored:
         found = _unpacked("", arrays)
     # Constructors are given whatever stands there, and raise about anything.
     except Exception as error:
-        raise RecordingError(f"{path} is damaged ({in_one_line(error)})") from error
+        raise RecordingError(f"{path} is damaged ({one_line(error, 300)})") from error
     if not isinstance(found, Stored):
         raise RecordingError(f"{path} holds a {type(found).__name__}, which does not stand alone")
     return found

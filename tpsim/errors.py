@@ -1,5 +1,9 @@
 """The errors that tpsim raises: one root, so that one ``except`` catches them all."""
 
+import traceback
+from pathlib import Path
+from typing import cast
+
 
 class TpsimError(Exception):
     """Root of all errors raised on purpose. Its message says what was given, allowed, to do."""
@@ -21,11 +25,24 @@ class RenderingError(TpsimError):
     """No offscreen renderer works here; the message names the packages to install."""
 
 
-def in_one_line(error: BaseException, most: int = 300) -> str:
-    """What an error says, or its kind if nothing, in one line of at most so many characters."""
-    line = " ".join(str(error).split()) or type(error).__name__
-    return line if len(line) <= most else f"{line[: most - 3]}..."
-
-
 class DataWarning(UserWarning):
     """Data were mended or look wrong: the message says which, where and how to be explicit."""
+
+
+def one_line(error: object, most: int | None = None) -> str:
+    """What an error says, in one line of at most so many letters; its type if it says nothing."""
+    line = " ".join(str(error).split()) or type(error).__name__
+    return line if most is None or len(line) <= most else f"{line[: most - 3]}..."
+
+
+def place(error: BaseException) -> str | None:
+    """Where a user's own code went wrong; None where it was ours, or a package's."""
+    if hasattr(error, "place"):  # it comes from a worker
+        return cast(str | None, error.place)
+    steps = traceback.extract_tb(error.__traceback__)
+    if not steps or Path(steps[-1].filename).is_relative_to(Path(__file__).parent):
+        return None
+    last = steps[-1]
+    if "site-packages" in last.filename or last.filename.startswith("<"):
+        return None
+    return f"{last.filename}, line {last.lineno}, in {last.name}"

@@ -226,7 +226,7 @@ def _scripts() -> list[Path]:
 
 def _texts(script: Path) -> tuple[str, str]:
     """Return what a demo is and what to look for, from its docstring."""
-    text = ast.get_docstring(ast.parse(script.read_text())) or script.stem
+    text = ast.get_docstring(ast.parse(script.read_text(encoding="utf-8"))) or script.stem
     title, _, rest = text.partition("\n\n")
     look_for = " ".join(rest.split()).removeprefix("Look for: ")
     return " ".join(title.split()).removeprefix(f"{script.stem}: ").rstrip("."), look_for

@@ -9,7 +9,7 @@ from typing import IO
 
 import numpy as np
 
-from tpsim.errors import RecordingError, in_one_line
+from tpsim.errors import RecordingError, one_line
 from tpsim.whole import whole_file
 
 MEMBERS = 1024
@@ -58,8 +58,8 @@ def read_members(path: str | Path) -> dict[str, np.ndarray]:
     # The parsers of zip and npy raise about anything when bytes are tampered with.
     except Exception as error:
         raise RecordingError(
-            f"{path} is truncated or no recording ({in_one_line(error)}); delete it and record "
-            "again"
+            f"{path} is truncated or no recording ({one_line(error, 300)}); delete it and "
+            "record again"
         ) from None
 
 

@@ -19,9 +19,8 @@ DEMOS = _shipped("demos")
 
 
 def recordings() -> Path:
-    """Folder of recordings: ``recordings/`` of the checkout, else of the working directory."""
-    checkout = _PACKAGE.parent / "recordings"
-    return checkout if checkout.is_dir() else Path.cwd() / "recordings"
+    """Folder of recordings: ``recordings/`` of the working directory."""
+    return Path.cwd() / "recordings"
 
 
 def demonstrations(task: str) -> Path:

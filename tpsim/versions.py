@@ -3,7 +3,6 @@
 import os
 import platform
 from collections.abc import Sequence
-from importlib import metadata
 
 PACKAGES = (
     "tpsim",
@@ -35,6 +34,8 @@ def cores() -> int:
 
 
 def _version(package: str) -> str | None:
+    from importlib import metadata  # slow to import, and rarely needed
+
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:

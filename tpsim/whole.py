@@ -3,11 +3,11 @@
 import errno
 import itertools
 import os
+import platform
 import re
 import shutil
-import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
@@ -45,7 +45,7 @@ def whole_path(path: Path, *, replace: bool = False) -> Iterator[Path]:
         path.parent.mkdir(parents=True, exist_ok=True)
         if path.is_dir() or (not replace and os.path.lexists(path)):
             raise _exists(path)
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}-{next(_count)}.part{path.suffix}")
+    temporary = _unfinished(path.stem, path, path.suffix)
     try:
         with _one_line(path):
             yield temporary
@@ -55,7 +55,8 @@ def whole_path(path: Path, *, replace: bool = False) -> Iterator[Path]:
             else:
                 _name(temporary, path)
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):
+            temporary.unlink()
 
 
 def write_bytes(path: Path, content: bytes, *, replace: bool = False) -> Path:
@@ -128,17 +129,30 @@ def check_free(folder: Path) -> None:
             raise _exists(folder)
 
 
+def sweep(folder: Path) -> None:
+    """Remove what processes that were killed on this machine left half written in a folder."""
+    for path in folder.glob(".*.part*"):
+        found = re.search(rf"\.{re.escape(_machine())}-(\d+)-\d+\.part(\.\w+)?$", path.name)
+        if found is None or _alive(int(found[1])):
+            continue
+        if path.is_dir():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            path.unlink(missing_ok=True)
+
+
 @contextmanager
 def _new_folder(beside: Path) -> Iterator[Path]:
     with _one_line(beside):
         beside.parent.mkdir(parents=True, exist_ok=True)
-        made = tempfile.TemporaryDirectory(
-            prefix=f".{beside.name}.", suffix=".part", dir=beside.parent, ignore_cleanup_errors=True
-        )
-    with made as temporary, _one_line(beside):
-        new = Path(temporary) / "new"
+        sweep(beside.parent)
+        new = _unfinished(beside.name, beside)
         new.mkdir()
-        yield new
+    try:
+        with _one_line(beside):
+            yield new
+    finally:
+        shutil.rmtree(new, ignore_errors=True)
 
 
 def _renamed(new: Path, folder: Path) -> bool:
@@ -193,3 +207,27 @@ def _one_line(path: Path) -> Iterator[None]:
         raise RecordingError(
             f"cannot write {path} ({reason}); make space or give another folder"
         ) from error
+
+
+def _unfinished(name: str, path: Path, suffix: str = "") -> Path:
+    """A hidden name beside ``path`` that says whose it is: machine, process, and which of its."""
+    while True:
+        owner = f"{_machine()}-{os.getpid()}-{next(_count)}"
+        found = path.with_name(f".{name}.{owner}.part{suffix}")
+        if not os.path.lexists(found):  # a process of this number may have been killed before
+            return found
+
+
+def _machine() -> str:
+    # Folders may be shared: processes of other machines are not seen from here.
+    return re.sub(r"\W", "", platform.node()) or "here"
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True

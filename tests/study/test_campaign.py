@@ -58,6 +58,7 @@ def test_a_run_answers_with_figures_limits_and_paths(toy_run):
         "refusals",
         "figures",
         "missed",
+        "lost",
         "wall_seconds",
         "paths",
     ]

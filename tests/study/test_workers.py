@@ -4,11 +4,12 @@ import subprocess
 import sys
 import textwrap
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from tpsim.errors import ArgumentError, SimulationError
-from tpsim.study.workers import Workers
+from tpsim.errors import ArgumentError
+from tpsim.study.workers import Death, Workers
 
 
 def slow_then_fast(factor):
@@ -56,7 +57,7 @@ def test_results_come_in_order_and_the_workers_end():
     assert all(gone(pid) for pid in pids)
 
 
-def answers(make, given, count=1):
+def answers(make, given, count=2):
     with Workers(count, make, given) as workers:
         return list(workers.map(range(3)))
 
@@ -71,10 +72,46 @@ def test_what_a_worker_raises_is_raised_here():
         answers(broken, 0)
 
 
-def test_a_death_is_one_line():
-    with pytest.raises(SimulationError, match=r"worker process died .signal 9.: .*fewer") as error:
-        answers(failing, "death", 2)
-    assert "\n" not in str(error.value)
+def sometimes_deadly(folder):
+    """Argument 1 ends its worker once, argument 4 always."""
+
+    def apply(x):
+        if x == 4 or (x == 1 and not (folder / "died").exists()):
+            (folder / "died").touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return x
+
+    return apply
+
+
+def test_a_death_costs_time_only_and_a_second_one_is_a_line(tmp_path):
+    with Workers(2, sometimes_deadly, tmp_path) as workers:
+        results = list(workers.map(range(7)))
+    assert results[:4] + results[5:] == [0, 1, 2, 3, 5, 6]
+    assert results[4] == Death("signal 9")
+    assert "\n" not in str(results[4]) and "fewer workers" in str(results[4])
+
+
+def test_any_executor_will_do():
+    """Also one that works here, in threads."""
+    with Workers(2, slow_then_fast, 10, ThreadPoolExecutor) as workers:
+        assert [value for value, _ in workers.map(range(5))] == [0, 10, 20, 30, 40]
+
+
+def test_few_results_wait_for_a_slow_one(tmp_path):
+    """Memory does not grow with the number of arguments."""
+
+    def make(folder):
+        def apply(x):
+            if x == 0:
+                time.sleep(0.5)
+            return (folder / str(x)).touch()
+
+        return apply
+
+    with Workers(2, make, tmp_path, ThreadPoolExecutor) as workers:
+        next(workers.map(range(100)))
+        assert len(list(tmp_path.iterdir())) <= 10
 
 
 SCRIPT = """
@@ -91,7 +128,7 @@ SCRIPT = """
             return os.getpid()
         return apply
 
-    with Workers(1, make, None) as workers:
+    with Workers(2, make, None) as workers:
         print(*workers.map([0]), flush=True)
         list(workers.map([1]))
 """

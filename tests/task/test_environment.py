@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
+pytest.importorskip("dm_control")  # not for every Python
 from absl.testing import absltest
 from dm_env import test_utils
 

@@ -13,7 +13,6 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 import tpsim.task.gymnasium as module  # noqa: E402
 import tpsim.tasks.gymnasium as registration  # noqa: E402
 from tpsim.errors import ArgumentError  # noqa: E402
-from tpsim.task.environment import environment  # noqa: E402
 from tpsim.task.gymnasium import gym_environment  # noqa: E402
 from tpsim.tasks import STUDIES  # noqa: E402
 from tpsim.tasks.pointing.task import Pointing  # noqa: E402
@@ -38,6 +37,9 @@ def test_every_built_in_task_has_an_id():
 
 
 def test_an_episode_is_that_of_dm_env_bit_for_bit():
+    pytest.importorskip("dm_control")  # not for every Python
+    from tpsim.task.environment import environment
+
     rng = np.random.default_rng(0)
     actions = rng.uniform(-1, 1, (5, 3))
     theirs, env = environment(POINTING, seed=4, **SHORT), gym_environment(POINTING, **SHORT)

@@ -1,5 +1,13 @@
-"""Small originals of everything that tpsim reads."""
+"""Small originals of all that tpsim reads; commands as processes: started, disturbed, looked at."""
 
+import os
+import random
+import re
+import signal
+import subprocess
+import sys
+import time
+import uuid
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -11,7 +19,8 @@ from tpsim.section8.plan import Plan
 from tpsim.section8.run import run as run_cells
 from tpsim.study.condition import Condition
 from tpsim.study.executor import perform_all
-from tpsim.study.files.run import open_run
+from tpsim.study.files.run import load_run, open_run
+from tpsim.study.files.trial_file import load_trial
 from tpsim.study.reference import load_study
 from tpsim.study.teaching_files import write_demonstrations
 from tpsim.task.task import draw_situation
@@ -20,13 +29,149 @@ from tpsim.world.people.push import Push
 
 from ..test_archive import VALUES
 
-TOY = Path(__file__).parents[1] / "study" / "toy.py"
+TOY = f"{Path(__file__).parents[1] / 'study' / 'toy.py'}:study"
+MARK = "TPSIM_TORTURE"
+PROGRESS = re.compile(r"tpsim: (teaching|measuring|filming|\d+ trials)")
+CODES = {"SIGINT": 130, "SIGTERM": 143, "SIGHUP": 129, "SIGKILL": -signal.SIGKILL}
+
+
+class Command:
+    """One command line in a process of its own; what it starts is known by its environment.
+
+    Parameters
+    ----------
+    words : list of str
+    folder : Path
+        Current folder of the process.
+    """
+
+    def __init__(self, words, folder, **environment):
+        self.mark = uuid.uuid4().hex
+        self._said = folder / f".said-{self.mark}"
+        # Shells start what runs in the background deaf to SIGINT.
+        deaf = signal.signal(signal.SIGINT, signal.default_int_handler)
+        with self._said.open("wb") as said, (folder / ".answer").open("wb") as answer:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "tpsim", *words],
+                cwd=folder,
+                env={**os.environ, MARK: self.mark, **environment},
+                stdin=subprocess.DEVNULL,
+                stdout=answer,
+                stderr=said,
+            )
+        signal.signal(signal.SIGINT, deaf)
+
+    def wait(self):
+        """Exit code."""
+        return self.process.wait(300)
+
+    @property
+    def lines(self):
+        """What it said on standard error, without its progress."""
+        text = self._said.read_text(errors="replace")
+        return [line for line in text.splitlines() if not PROGRESS.match(line)]
+
+    def processes(self):
+        """Processes that carry the mark, besides the driver."""
+        found = []
+        for entry in Path("/proc").iterdir():
+            if entry.name.isdigit() and int(entry.name) != self.process.pid:
+                try:
+                    if f"{MARK}={self.mark}".encode() in (entry / "environ").read_bytes():
+                        found.append(int(entry.name))
+                except OSError:
+                    continue
+        return found
+
+    def orphans(self, seconds=5.0):
+        """Processes that are there so long after the driver is gone."""
+        end = time.monotonic() + seconds
+        while (found := self.processes()) and time.monotonic() < end:
+            time.sleep(0.05)
+        return found
+
+
+def workers(command):
+    """Workers of a command, without the process that looks after loky's semaphores."""
+    found = []
+    for pid in command.processes():
+        try:
+            line = Path(f"/proc/{pid}/cmdline").read_bytes()
+        except OSError:
+            continue
+        if b"popen_loky" in line:
+            found.append(pid)
+    return found
+
+
+def disturb(command, how, after, rng):
+    """Send signals to a command after some seconds; return whether they reached it."""
+    end = time.monotonic() + after
+    while time.monotonic() < end and command.process.poll() is None:
+        time.sleep(0.005)
+    if how == "worker":
+        while command.process.poll() is None:
+            if found := workers(command):
+                time.sleep(rng.uniform(0, 1.5))
+                try:
+                    os.kill(rng.choice(found), signal.SIGKILL)
+                except ProcessLookupError:
+                    return False
+                return True
+            time.sleep(0.02)
+        return False
+    if command.process.poll() is not None:
+        return False
+    name, *again = how.split()
+    command.process.send_signal(getattr(signal, name))
+    for _ in again:
+        time.sleep(rng.uniform(0.0, 0.3))
+        if command.process.poll() is None:
+            command.process.send_signal(getattr(signal, name))
+    return True
+
+
+def contents(folder):
+    """Bytes of all recordings and models under a folder, by name; each is read, so it is whole."""
+    found = {}
+    for file in sorted(folder.rglob("*")) if folder.exists() else []:
+        hidden = any(part.startswith(".") for part in file.relative_to(folder).parts)
+        if hidden or not file.is_file():
+            continue
+        if file.name.startswith("trial-"):
+            load_trial(file)
+        elif file.name == "run.json":
+            load_run(file.parent)
+        if file.suffix in (".npz", ".csv"):
+            found[str(file.relative_to(folder))] = file.read_bytes()
+    return found
+
+
+@pytest.fixture(scope="session")
+def taught(tmp_path_factory):
+    """Demonstrations of the toy."""
+    folder = tmp_path_factory.mktemp("taught")
+    command = Command(["teach", TOY, "--folder", "demonstrations"], folder)
+    assert command.wait() == 0, command.lines
+    return folder / "demonstrations"
+
+
+@pytest.fixture
+def rng():
+    """Random numbers, the same every time unless TPSIM_SEED says otherwise."""
+    return random.Random(int(os.environ.get("TPSIM_SEED", "0")))
+
+
+@pytest.fixture
+def torture():
+    """The helpers of this file."""
+    return sys.modules[__name__]
 
 
 @pytest.fixture(scope="session")
 def toy():
     """The toy study, and what was taught and learned of it."""
-    study = load_study(f"{TOY}:study")
+    study = load_study(TOY)
     taught = teach(study.task, 2)
     return SimpleNamespace(study=study, taught=taught, models=learn(study.task, taught))
 

@@ -16,13 +16,17 @@ from tyro.conf import FlagCreatePairsOff, Positional, arg
 from tpsim.cli.comparison import Compare
 from tpsim.cli.export import Export
 from tpsim.cli.options import (
+    HOUR,
+    MANY,
+    SEEDS,
     Answer,
     Command,
     Learning,
     SeededCommand,
     StudyCommand,
-    not_negative,
+    number,
     positive,
+    writable,
 )
 from tpsim.cli.recordings import Data
 from tpsim.cli.tuning import Tune
@@ -52,15 +56,23 @@ class Run(SeededCommand):
     plants: tuple[str, ...] = ()
     """Plants unlike the model on which the pushed trials are repeated, beside the nominal ones:
     names such as "friction 0.5 Nm", or all."""
+    strict: FlagCreatePairsOff[bool] = False
+    """Exit with 3 if a figure misses its limit."""
 
     def check(self) -> None:
         """Check the counts."""
         super().check()
-        positive("--teachers", self.teachers)
-        positive("--situations", self.situations)
-        positive("--pushes", self.pushes)
+        number("--teachers", self.teachers, 1, MANY)
+        number("--situations", self.situations, 1, MANY)
+        number("--pushes", self.pushes, 1, MANY)
         if self.workers is not None:
-            positive("--workers", self.workers)
+            number("--workers", self.workers, 1, MANY)
+
+    def exit_code(self, answer: Answer) -> int:
+        """1 where a trial is missing, 3 where a limit was missed and that was to be told."""
+        if answer.get("lost"):
+            return 1
+        return 3 if self.strict and answer.get("missed") else 0
 
     def execute(self, study: "Study", line: str) -> Answer:
         """Run the study."""
@@ -97,7 +109,7 @@ class Teach(SeededCommand):
         """Check the count."""
         super().check()
         if self.count is not None:
-            positive("--count", self.count)
+            number("--count", self.count, 1, MANY)
 
     def execute(self, study: "Study", line: str) -> Answer:
         """Teach all behaviours of the task."""
@@ -129,7 +141,7 @@ class Reproduce(Learning, SeededCommand):
     def check(self) -> None:
         """Check the situation's number."""
         super().check()
-        not_negative("--situation", self.situation)
+        number("--situation", self.situation, 0, SEEDS)
 
     def execute(self, study: "Study", line: str) -> Answer:
         """Perform the task in one situation."""
@@ -147,7 +159,7 @@ class Reproduce(Learning, SeededCommand):
 
 @dataclass(frozen=True, kw_only=True)
 class Push(Reproduce):
-    """Repeat the learned task while a force acts on the robot, beside the same trial unpushed."""
+    """Repeat the learned task while a force acts on the robot, beside the same unpushed."""
 
     force: tuple[float, float, float] = (0.0, 20.0, 0.0)
     """Force in the world's axes [N]."""
@@ -164,8 +176,9 @@ class Push(Reproduce):
         if not all(map(math.isfinite, self.force)) or not any(self.force):
             given = " ".join(map(str, self.force))
             raise ArgumentError(f"--force {given}: give three finite numbers [N], not all zero")
-        not_negative("--start", self.start)
+        number("--start", self.start, 0, HOUR)
         positive("--duration", self.duration)
+        number("--duration", self.duration, 0, HOUR)
 
     def execute(self, study: "Study", line: str) -> Answer:
         """Perform the task twice, pushed and not."""
@@ -203,9 +216,9 @@ class Replay(Command):
         study = None if self.study is None else load_study(self.study)
         return replay(load_run(self.folder), study)
 
-    def succeeded(self, answer: Answer) -> bool:
-        """Whether all of a whole run is there, unchanged, and came out again."""
-        return bool(answer["repeats"])
+    def exit_code(self, answer: Answer) -> int:
+        """0 where all of a whole run is there, unchanged, and came out again."""
+        return 0 if answer["repeats"] else 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -244,6 +257,7 @@ class Demo(Command):
 
     def check(self) -> None:
         """Check that one row, or all, or none is asked for."""
+        writable("--folder", self.folder)
         if self.all and (self.name or self.show):
             raise ArgumentError("--all runs every row and opens no window; give it alone")
         if self.show and self.name is None:

@@ -8,14 +8,14 @@ from typing import Annotated
 
 from tyro.conf import arg
 
-from tpsim.cli.options import Answer, Command, not_negative, positive
+from tpsim.cli.options import MANY, SEEDS, Answer, Command, number, writable
 from tpsim.errors import ArgumentError
 from tpsim.versions import cores
 
 
 @dataclass(frozen=True, kw_only=True)
 class Compare(Command):
-    """Measure the methods of the tutorial's Section 8, and yours, on the same situations."""
+    """Measure the methods of the tutorial's Section 8, and yours, side by side."""
 
     quick: bool = False
     """One task, four demonstrations, two teachers: a minute instead of many."""
@@ -32,11 +32,10 @@ class Compare(Command):
 
     def check(self) -> None:
         """Check the numbers, the folder and the file of demonstrations."""
-        not_negative("--seed", self.seed)
+        number("--seed", self.seed, 0, SEEDS)
         if self.workers is not None:
-            positive("--workers", self.workers)
-        if self.folder is not None and self.folder.is_file():
-            raise ArgumentError(f"--folder {self.folder} is a file; give a new or empty folder")
+            number("--workers", self.workers, 1, MANY)
+        writable("--folder", self.folder)
         if self.data is not None and not self.data.exists():
             raise ArgumentError(f"--data {self.data} does not exist; give a file or a folder")
 

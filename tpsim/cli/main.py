@@ -2,75 +2,128 @@
 
 A command returns a plain dictionary. That dictionary is what ``--json`` prints, and the human
 summary is made from it. Standard output carries nothing else; progress and notes go to standard
-error.
+error. What is heavy is imported when signals are listened to, and only where it is needed.
 """
 
-import contextlib
-import json
 import os
-import shlex
 import sys
-import traceback
 from collections.abc import Sequence
-from importlib.metadata import version
-from pathlib import Path
 
-from tpsim.cli.options import Answer
-from tpsim.cli.parse import parse
-from tpsim.errors import ArgumentError, TpsimError
-from tpsim.paths import runs
+from tpsim.cli import stopping
+
+_LONGEST = 800
+"""Most letters of an error: names can be as long as a screen."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command line; return 0 done, 1 the work failed, 2 wrong usage."""
-    arguments = list(sys.argv[1:] if arguments is None else arguments)
-    if arguments == ["--version"]:
-        print(f"tpsim {version('tpsim')}")
-        return 0
+    """Run one command line, by default that of this process.
+
+    Returns
+    -------
+    int
+        0 done, 1 the work failed, 2 wrong usage, 3 done but a figure misses its limit (run
+        --strict), 130 interrupted (129 by the end of its terminal, 143 by SIGTERM).
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    with stopping.listening(for_good=arguments is None):
+        try:
+            return _main(words)
+        except BaseException as error:
+            if not (stopping.stopped() or isinstance(error, KeyboardInterrupt)):
+                raise
+            code = stopping.tell(error, _again(words))
+            if arguments is None:
+                os._exit(code)  # what Python does at its end takes long, and is not needed
+            return code
+
+
+def _main(words: list[str]) -> int:
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # small matrices: BLAS threads only hurt
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")  # a terminal may lack letters
+    from tpsim.errors import ArgumentError, TpsimError, one_line, place
+
     try:
-        call = parse(arguments)
-        with contextlib.redirect_stdout(sys.stderr):
-            answer = call.execute()
+        return _answered(words)
+    except ArgumentError as error:
+        return _fail(one_line(error), 2)
+    except TpsimError as error:
+        return _fail(one_line(error), 1)
+    except OSError as error:
+        return _fail(_of_the_system(error), 1)
+    except MemoryError:
+        return _fail("there is not enough memory for this", 1)
+    except Exception as error:
+        if stopping.stopped() or (where := place(error)) is None:
+            raise
+        return _fail(f"{where}: {type(error).__name__}: {one_line(error)}", 1)
+
+
+def _answered(words: list[str]) -> int:
+    """Do what the words say; errors are the caller's."""
+    from tpsim.cli.summaries import description
+
+    if words in (["-h"], ["--help"]):
+        return _print(description())
+    if words == ["--version"]:
+        from importlib.metadata import version
+
+        return _print(f"tpsim {version('tpsim')}")
+    import contextlib
+
+    from tpsim.cli.parse import parse
+    from tpsim.film import rendering
+
+    if told := rendering.disarm():
+        print(f"tpsim: {told}", file=sys.stderr)
+    try:
+        call = parse(words)
     except SystemExit as usage:
         return int(usage.code or 0)
-    except ArgumentError as error:
-        return _fail(error, 2)
-    except (TpsimError, OSError) as error:
-        return _fail(error, 1)
-    except Exception as error:
-        if (place := _of_the_user(error)) is None:
-            raise
-        return _fail(f"{place}: {type(error).__name__}: {error}", 1)
-    except KeyboardInterrupt:
-        again = shlex.join(["tpsim", *arguments])
-        return _fail(
-            f"interrupted; finished trials are kept in {runs()}. To start again: {again}", 1
-        )
     try:
-        _show(answer, as_json=call.options.json)
+        with contextlib.redirect_stdout(sys.stderr):
+            answer = call.execute()
+    except SystemExit as left:
+        return _fail(f"code of the study ended the program with sys.exit({left.code!r})", 1)
+    from tpsim.study.summary import plain, summary
+
+    if call.options.json:
+        import json
+
+        _print(json.dumps(plain(answer), allow_nan=False))
+    else:
+        _print(summary(answer))
+    return call.options.exit_code(answer)
+
+
+def _print(text: str) -> int:
+    try:
+        print(text)
         sys.stdout.flush()
     except BrokenPipeError:
         # Who reads, has read enough; Python must not complain once more at its end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return 0 if call.options.succeeded(answer) else 1
+    return 0
 
 
-def _of_the_user(error: Exception) -> str | None:
-    """Where a user's own code went wrong; None where it was ours."""
-    last = traceback.extract_tb(error.__traceback__)[-1]
-    if Path(last.filename).is_relative_to(Path(__file__).parents[1]):
-        return None
-    if "site-packages" in last.filename or last.filename.startswith("<"):
-        return None
-    return f"{last.filename}, line {last.lineno}, in {last.name}"
+def _of_the_system(error: OSError) -> str:
+    """An error of files: which file, and what is wrong with it."""
+    from tpsim.errors import one_line
+
+    if error.strerror and error.filename is not None:
+        return f"{os.fsdecode(error.filename)}: {error.strerror}"
+    return one_line(error)
 
 
-def _show(answer: Answer, *, as_json: bool) -> None:
-    from tpsim.study.summary import plain, summary
+def _again(words: list[str]) -> str:
+    import shlex
 
-    print(json.dumps(plain(answer), allow_nan=False) if as_json else summary(answer))
+    return shlex.join(["tpsim", *words])
 
 
-def _fail(message: object, code: int) -> int:
-    print("tpsim: " + " ".join(str(message).split()), file=sys.stderr)
+def _fail(message: str, code: int) -> int:
+    if len(message) > _LONGEST:
+        message = f"{message[: _LONGEST - 150]} ... {message[-150:]}"
+    print(f"tpsim: {message}", file=sys.stderr)
     return code

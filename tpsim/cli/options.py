@@ -2,6 +2,7 @@
 
 import difflib
 import math
+import tempfile
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -15,6 +16,15 @@ from tpsim.errors import ArgumentError
 if TYPE_CHECKING:
     from tpsim.study.study import Study
     from tpsim.study.teaching import Source
+
+SEEDS = 2**32 - 1
+"""Greatest seed: recordings hold 32 bits."""
+
+MANY = 1_000_000
+"""Most situations, pushes, demonstrations: more would fill the memory before anything starts."""
+
+HOUR = 3600.0
+"""Longest push [s], and latest start."""
 
 Answer = Mapping[str, object]
 """What a command has to say: plain values and paths by name."""
@@ -32,9 +42,9 @@ class Options:
     def check(self) -> None:
         """Raise ArgumentError for options that make no sense, before anything heavy happens."""
 
-    def succeeded(self, answer: Answer) -> bool:
-        """Whether the work came out as it should; the exit code says so."""
-        return True
+    def exit_code(self, answer: Answer) -> int:
+        """0 where the work came out as it should, else 1, or 3 where only a limit was missed."""
+        return 0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,8 +68,7 @@ class StudyCommand(Options, ABC):
 
     def check(self) -> None:
         """Check the folder."""
-        if self.folder is not None and self.folder.is_file():
-            raise ArgumentError(f"--folder {self.folder} is a file; give a new or empty folder")
+        writable("--folder", self.folder)
 
     @abstractmethod
     def execute(self, study: "Study", line: str) -> Answer:
@@ -83,7 +92,7 @@ class SeededCommand(StudyCommand):
     def check(self) -> None:
         """Check the seed."""
         super().check()
-        not_negative("--seed", self.seed)
+        number("--seed", self.seed, 0, SEEDS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,6 +123,21 @@ class Learning(StudyCommand):
         return load_run(self.run)
 
 
+def writable(name: str, folder: Path | None) -> None:
+    """Raise ArgumentError where a folder could not be made or written to; nothing stays there."""
+    if folder is None:
+        return
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise ArgumentError(f"{name} {folder} is a file; give a new or empty folder")
+        there = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
+        with tempfile.TemporaryDirectory(dir=there):
+            pass
+    except OSError as error:
+        given = shortened(folder)
+        raise ArgumentError(f"{name} {given} cannot be written to ({error.strerror})") from None
+
+
 def nearest(given: str, names: Iterable[str]) -> str:
     """``"; did you mean 'x'?"``, or nothing where no name is near."""
     near = difflib.get_close_matches(given, list(names), n=1, cutoff=0.5)
@@ -128,13 +152,19 @@ def known(kind: str, given: str, allowed: Iterable[str]) -> None:
         raise ArgumentError(f"unknown {kind} {given!r}{hint} (known: {', '.join(names)})")
 
 
+def number(name: str, value: float, least: float, greatest: float) -> None:
+    """Raise ArgumentError unless ``value`` is from ``least`` to ``greatest``."""
+    if not least <= value <= greatest:
+        raise ArgumentError(f"{name} {shortened(value)}: give a number from {least} to {greatest}")
+
+
+def shortened(value: object) -> str:
+    """A value as it was given, cut where it would fill the screen."""
+    text = str(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
 def positive(name: str, value: float) -> None:
     """Raise ArgumentError unless ``value`` is a finite number above zero."""
     if not 0 < value < math.inf:
         raise ArgumentError(f"{name} {value}: give a number greater than zero")
-
-
-def not_negative(name: str, value: float) -> None:
-    """Raise ArgumentError unless ``value`` is a finite number of at least zero."""
-    if not 0 <= value < math.inf:
-        raise ArgumentError(f"{name} {value}: give zero or a greater number")

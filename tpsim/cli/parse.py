@@ -24,6 +24,7 @@ from tpsim.cli.options import (
     nearest,
 )
 from tpsim.cli.recordings import LearnFile
+from tpsim.cli.summaries import fitted
 from tpsim.errors import ArgumentError
 from tpsim.tasks import STUDIES
 
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from tpsim.study.study import Study
 
 HELP = {"-h", "--help"}
+
+SHELLS = ("bash", "zsh", "fish")
 
 O = TypeVar("O", bound=Options)
 
@@ -74,9 +77,11 @@ def parse(arguments: Sequence[str]) -> Call:
         names = ", ".join(COMMANDS)
         raise ArgumentError(f"give a command: {names}; tpsim --help describes them")
     name, *rest = arguments
-    if name in HELP:
-        _describe()
+    if name == "--completion":
+        _complete(rest)
     known("command", name, COMMANDS)
+    for before, word in zip(arguments, rest, strict=False):
+        _not_empty(before, word)
     line, command = shlex.join(["tpsim", *arguments]), COMMANDS[name]
     if name == "learn" and _names_a_recording(rest):
         command = LearnFile
@@ -137,9 +142,9 @@ def _read(options: type[O], name: str, words: Sequence[str]) -> O:
 
 def _told(options: type[O], name: str, words: Sequence[str]) -> tuple[O, list[str]]:
     """Options out of words, and the words that are none; tyro's complaint in one line."""
-    said = io.StringIO()
+    said, shown = io.StringIO(), io.StringIO()
     try:
-        with contextlib.redirect_stderr(said):
+        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(shown):
             return tyro.cli(
                 options,
                 prog=f"tpsim {name}",
@@ -150,6 +155,7 @@ def _told(options: type[O], name: str, words: Sequence[str]) -> tuple[O, list[st
     except SystemExit as usage:
         if usage.code:
             raise ArgumentError(f"{name}: {_first_part(said.getvalue())}") from None
+        print(fitted(shown.getvalue()))
         raise
 
 
@@ -157,15 +163,24 @@ def _first_part(box: str) -> str:
     """What a box of tyro says before its first line of division."""
     lines = [line.strip("│ ") for line in box.splitlines()[1:]]
     end = next((i for i, line in enumerate(lines) if re.match("[─╰]", line)), len(lines))
-    return " ".join(lines[:end])
+    return re.sub(r"^[-─]{5,} ", "", " ".join(lines[:end]))
 
 
-def _describe() -> None:
-    """Print what commands there are, and leave."""
+def _not_empty(before: str, word: str) -> None:
+    """An empty word is no name: as a folder it would be the current one."""
+    option, equals, value = word.partition("=")
+    if not word.strip():
+        raise ArgumentError(f"an empty word follows {before!r}; give a value, or leave it out")
+    if option.startswith("--") and equals and not value.strip():
+        raise ArgumentError(f"{option} has no value; give one, or leave it out")
+
+
+def _complete(words: Sequence[str]) -> None:
+    """Print a script that completes commands and options, and leave."""
+    shell = words[0] if len(words) == 1 else "nothing"
+    if shell not in SHELLS:
+        raise ArgumentError(f"--completion {shell}: give one of {', '.join(SHELLS)}")
     tyro.extras.subcommand_cli_from_dict(
-        dict(COMMANDS),
-        prog="tpsim",
-        description="Task-parameterized movement learning on torque-controlled robots.",
-        args=["--help"],
+        dict(COMMANDS), prog="tpsim", args=["--tyro-print-completion", shell]
     )
     sys.exit(0)

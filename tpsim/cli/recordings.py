@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, arg
 
-from tpsim.cli.options import Answer, Command, positive
+from tpsim.cli.options import MANY, Answer, Command, number, writable
 from tpsim.errors import ArgumentError
 
 
@@ -55,7 +55,8 @@ class LearnFile(Command):
     def check(self) -> None:
         """Check the number of Gaussians."""
         if self.components is not None:
-            positive("--components", self.components)
+            number("--components", self.components, 1, MANY)
+        writable("--folder", self.folder)
 
     def execute(self) -> Answer:
         """Walk from the file to a model and a picture."""

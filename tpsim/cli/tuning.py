@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tpsim.cli.options import Answer, StudyCommand, positive
+from tpsim.cli.options import MANY, Answer, StudyCommand, number
 from tpsim.versions import cores
 
 if TYPE_CHECKING:
@@ -26,9 +26,9 @@ class Tune(StudyCommand):
     def check(self) -> None:
         """Check the counts."""
         super().check()
-        positive("--trials", self.trials)
+        number("--trials", self.trials, 1, MANY)
         if self.workers is not None:
-            positive("--workers", self.workers)
+            number("--workers", self.workers, 1, MANY)
 
     def execute(self, study: "Study", line: str) -> Answer:
         """Tune the experts; without a folder, the gains that the task brings are replaced."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from tpsim.errors import RecordingError, TpsimError, in_one_line
+from tpsim.errors import RecordingError, TpsimError, one_line
 from tpsim.npz import BYTES
 
 FILES = 100_000
@@ -36,7 +36,9 @@ def opened(path: Path, what: str) -> Iterator[None]:
     except MemoryError as error:
         raise RecordingError(f"{path}: needs more memory than there is") from error
     except Exception as error:
-        raise RecordingError(f"{path} is truncated or no {what} ({in_one_line(error)})") from error
+        raise RecordingError(
+            f"{path} is truncated or no {what} ({one_line(error, 300)})"
+        ) from error
 
 
 def check_size(path: Path, numbers: int) -> None:

@@ -23,7 +23,7 @@ from tpsim.deploy.recipes import (
 from tpsim.deploy.robot_file import RobotFile
 from tpsim.deploy.sensed import objects_in
 from tpsim.deploy.values import Reader, taken_apart
-from tpsim.errors import ArgumentError, RecordingError, TpsimError, in_one_line
+from tpsim.errors import ArgumentError, RecordingError, TpsimError, one_line
 from tpsim.gaussian import Gaussian
 from tpsim.learning.free_movement import Relevance
 from tpsim.npz import read_members, write_members
@@ -128,7 +128,7 @@ def read(folder: Path, views: Sequence[type[View]] = ()) -> tuple[Content, Robot
         _check(whole.content, robot)
     # Pinocchio raises RuntimeError for what is no inertia.
     except (TpsimError, ValueError, TypeError, LookupError, RuntimeError) as error:
-        reason = in_one_line(error)
+        reason = one_line(error, 300)
         raise RecordingError(f"{where} is damaged: it does not fit together ({reason})") from None
     return whole.content, robot
 

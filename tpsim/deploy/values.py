@@ -8,7 +8,7 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import msgspec
 import numpy as np
 
-from tpsim.errors import ArgumentError, RecordingError, in_one_line
+from tpsim.errors import ArgumentError, RecordingError, one_line
 
 Kinds = Mapping[str, type]
 """Dataclasses that a file may hold, by name."""
@@ -130,7 +130,7 @@ class Reader:
         raise self._wrong(f"{found!r:.40} is out of place", path)
 
     def _wrong(self, what: str, path: str) -> RecordingError:
-        line = in_one_line(ValueError(what))
+        line = one_line(ValueError(what), 300)
         return RecordingError(f"{self._where} is damaged: {line} - at `{path:.200}`")
 
 

@@ -107,7 +107,3 @@ def main() -> None:
                 for sample in samples:
                     out.write(painter.picture(sample).tobytes())
                     out.flush()
-
-
-if __name__ == "__main__":
-    main()

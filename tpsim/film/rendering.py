@@ -1,7 +1,8 @@
 """Which offscreen renderer works on this machine.
 
-Importing mujoco with a ``MUJOCO_GL`` that does not work can fail, so the variable is never set in
-this process: each candidate is tried in a process of its own, and films are drawn in workers.
+Importing mujoco with a ``MUJOCO_GL`` that does not work can fail, so the variable is never set to
+a renderer in this process: each candidate is tried in a process of its own, and films are drawn in
+workers.
 """
 
 import functools
@@ -9,7 +10,10 @@ import os
 import subprocess
 import sys
 
-from tpsim.errors import RenderingError
+from tpsim.errors import RenderingError, one_line
+
+VARIABLE = "MUJOCO_GL"
+"""Environment variable that names mujoco's renderer."""
 
 BACKENDS = {"linux": ("egl", "osmesa"), "darwin": ("cgl",), "win32": ("wgl",)}
 """Values of ``MUJOCO_GL`` that draw without a window, by ``sys.platform``."""
@@ -47,7 +51,29 @@ def environment() -> dict[str, str]:
     name = backend()
     if name is None:
         raise RenderingError(HINT)
-    return {**os.environ, "MUJOCO_GL": name}
+    return {**os.environ, VARIABLE: name}
+
+
+def disarm() -> str | None:
+    """Let mujoco be imported also where ``MUJOCO_GL`` names a renderer that does not work here.
+
+    Returns
+    -------
+    str or None
+        What to tell people in one line; None where nothing was changed.
+    """
+    named = os.environ.get(VARIABLE)
+    if not named:
+        return None
+    try:
+        import mujoco  # noqa: F401
+    except Exception as error:  # whatever the libraries of a renderer raise
+        os.environ[VARIABLE] = "disable"
+        return (
+            f"{VARIABLE}={named} does not work here ({one_line(error):.100}); going on without "
+            f"it: unset {VARIABLE}, or see tpsim doctor"
+        )
+    return None
 
 
 def _draws(name: str) -> bool:
@@ -55,7 +81,7 @@ def _draws(name: str) -> bool:
     try:
         probe = subprocess.run(
             [sys.executable, "-c", _PROBE],
-            env={**os.environ, "MUJOCO_GL": name},
+            env={**os.environ, VARIABLE: name},
             capture_output=True,
             timeout=60,
         )

@@ -1,6 +1,7 @@
 """Films and stills of recorded trials, drawn after the simulation in processes of their own."""
 
 import contextlib
+import os
 import pickle
 import subprocess
 import sys
@@ -14,6 +15,9 @@ from tpsim.film import rendering
 from tpsim.film.camera import cameras
 from tpsim.film.clip import Clip
 from tpsim.whole import whole_path
+
+_DRAW = "from tpsim.driver import end_with; end_with({}); from tpsim.film import draw; draw.main()"
+"""What a drawing process does: it looks whether its driver is there before anything slow."""
 
 _END = 0.6  # s for which the last picture of a clip stays
 
@@ -50,6 +54,7 @@ def film(
             fps=fps,
             codec="libx264",
             quality=None,
+            ffmpeg_log_level="fatal",  # a film that is given up is no matter for paragraphs
             output_params=["-crf", "20", "-preset", "veryfast", "-movflags", "+faststart"],
         )
         with contextlib.closing(writer):
@@ -126,7 +131,7 @@ def _pictures(
 def _start(job: tuple[object, ...], environment: dict[str, str]) -> "subprocess.Popen[bytes]":
     """Start a worker on a job."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "tpsim.film.draw"],
+        [sys.executable, "-c", _DRAW.format(os.getpid())],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

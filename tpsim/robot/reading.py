@@ -6,7 +6,7 @@ from pathlib import Path
 
 import mujoco
 
-from tpsim.errors import ArgumentError
+from tpsim.errors import ArgumentError, one_line
 
 
 @dataclass(frozen=True)
@@ -97,4 +97,4 @@ def parsed(parse: Callable[[], mujoco.MjSpec], what: str) -> mujoco.MjSpec:
 
 
 def _line(error: Exception) -> str:
-    return " ".join(str(error).split()).removeprefix("Error: ")
+    return one_line(error).removeprefix("Error: ")

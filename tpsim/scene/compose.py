@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from tpsim.errors import SimulationError
+from tpsim.errors import SimulationError, one_line
 from tpsim.robot.robot import Robot
 from tpsim.scene.parts import camera as add_camera
 from tpsim.scene.parts import hold, light, place
@@ -113,7 +113,7 @@ def world(
     try:
         _furnish(spec, objects or {}, held or {}, shown)
     except ValueError as error:
-        reason = " ".join(str(error).split())
+        reason = one_line(error)
         raise SimulationError(f"the scene cannot be put together: {reason}") from None
     return World.compose(robot, spec)
 

@@ -5,6 +5,8 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import cloudpickle
+
 from tpsim.errors import ArgumentError
 from tpsim.section8 import in_frames, peers, without_frames
 from tpsim.section8.method import Method
@@ -75,10 +77,11 @@ def method_from(specification: str) -> Method:
     sys.modules[spec.name] = module
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise ArgumentError(
             f"--method {specification}: {path} fails with {type(error).__name__}: {error}"
         ) from error
+    cloudpickle.register_pickle_by_value(module)  # workers cannot import it
     found = getattr(module, function, None)
     if not callable(found):
         raise ArgumentError(f"--method {specification}: {path} has no function {function!r}")

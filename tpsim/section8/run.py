@@ -1,9 +1,8 @@
 """Running a plan: cell by cell, in one process or several, going on where it was cut off."""
 
-import multiprocessing
 import os
 from collections.abc import Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from pathlib import Path
 
 from tqdm import tqdm
@@ -13,6 +12,7 @@ from tpsim.section8.families import FAMILIES
 from tpsim.section8.method import Method
 from tpsim.section8.plan import Plan
 from tpsim.section8.trial import Trial, perform
+from tpsim.study.workers import Death, Workers
 from tpsim.world.threads import one_thread
 
 Cell = tuple[str, int, int]
@@ -34,7 +34,7 @@ def run(
     folder
         Where the results of the cells are.
     workers
-        Number of processes; more than one needs a system that can fork.
+        Number of processes. A cell that ends its process twice is a row with the reason.
     progress
         Show a bar on standard error.
     """
@@ -45,6 +45,11 @@ def run(
     for cell, trial in tqdm(
         performed, "compare", len(done), initial=kept, disable=not progress, unit="cell"
     ):
+        if isinstance(trial, Death):
+            # It is not saved: the next time it is tried again.
+            count = len(plan.distances) * plan.situations
+            done[cell] = Trial.failed(methods, count, f"the comparison died: {trial}")
+            continue
         key = plan.key(cell, methods)
         trial.save(_file(folder, cell, key), key)
         done[cell] = trial
@@ -66,31 +71,14 @@ def perform_cell(plan: Plan, methods: Mapping[str, Method], cell: Cell) -> Trial
 
 def _performed(
     plan: Plan, methods: Mapping[str, Method], cells: list[Cell], workers: int
-) -> Iterator[tuple[Cell, Trial]]:
-    workers = min(workers, len(cells))
-    if workers < 2 or "fork" not in multiprocessing.get_all_start_methods():
-        yield from ((cell, perform_cell(plan, methods, cell)) for cell in cells)
-        return
-    context = multiprocessing.get_context("fork")  # methods may be closures, which do not pickle
-    with ProcessPoolExecutor(workers, context, _start, (plan, methods)) as pool:
-        try:
-            yield from zip(cells, pool.map(_in_process, cells), strict=True)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+) -> Iterator[tuple[Cell, Trial | Death]]:
+    # Methods may be closures: they travel by value.
+    with Workers(min(workers, len(cells)) or 1, _open, (plan, dict(methods))) as pool:
+        yield from zip(cells, pool.map(cells), strict=True)
 
 
-_work: tuple[Plan, Mapping[str, Method]] | None = None
-
-
-def _start(plan: Plan, methods: Mapping[str, Method]) -> None:
-    global _work
-    _work = plan, methods
-
-
-def _in_process(cell: Cell) -> Trial:
-    assert _work is not None
-    return perform_cell(*_work, cell)
+def _open(given: tuple[Plan, Mapping[str, Method]]) -> "partial[Trial]":
+    return partial(perform_cell, *given)
 
 
 def _stored(plan: Plan, methods: Mapping[str, Method], folder: Path, cell: Cell) -> Trial | None:

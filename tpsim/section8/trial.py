@@ -1,7 +1,7 @@
 """All methods on the same demonstrations and the same situations; a failure is a row."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tpsim.demonstration import Demonstration
-from tpsim.errors import RecordingError
+from tpsim.errors import RecordingError, one_line
 from tpsim.npz import read_members, write_members
 from tpsim.section8.families import Situation
 from tpsim.section8.measures import FIGURES, measure
@@ -51,6 +51,14 @@ class Trial:
     adapt_us: NDArray
     parameters: NDArray
     reasons: tuple[str, ...]
+
+    @classmethod
+    def failed(cls, methods: Collection[str], situations: int, reason: str) -> "Trial":
+        """What stands where nothing could be done: no figures, and the reason."""
+        nothing = np.full(len(methods), np.nan)
+        figures = np.full((len(methods), situations, len(FIGURES)), np.nan)
+        reasons = (reason,) * len(methods)
+        return cls(tuple(methods), figures, nothing, nothing, nothing, reasons)
 
     def save(self, path: FilePath, key: str) -> None:
         """Write to an archive that remembers what it is the result of."""
@@ -184,5 +192,4 @@ def _row(
 
 
 def _reason(error: Exception) -> str:
-    text = " ".join(str(error).split()) or type(error).__name__
-    return text if len(text) <= 200 else text[:197] + "..."
+    return one_line(error, 200)

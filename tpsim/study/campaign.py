@@ -17,15 +17,16 @@ from tpsim.study import clips, figures, fronts, learned, series, teaching
 from tpsim.study.files.run import DEMONSTRATIONS, Run
 from tpsim.study.measure import Result
 from tpsim.study.record import Records
-from tpsim.study.recording import Answer, open_folder, record_all, say
+from tpsim.study.recording import Answer, kept_or_removed, open_folder, record_all, say
 from tpsim.study.report import Section, write_report
 from tpsim.study.study import Lab, Phases, Plan, Study
 from tpsim.study.teaching_files import write_demonstrations
 from tpsim.task.verbs import learn
-from tpsim.whole import removed_if_nothing_came
 from tpsim.world.threads import one_thread
 
 Look = Callable[[Lab, Records, list[Result]], None]
+
+_LOST = "They ended their worker process twice; no figure counts them."
 
 
 @one_thread()
@@ -65,44 +66,48 @@ def run(
     dict
         ``task``, ``seed``, ``trials``, ``figures`` by name, ``missed`` (titles of the measures
         whose limit is not kept), ``refused_demonstrations``, ``refusals`` (how many, by reason),
-        ``wall_seconds``, ``paths`` to ``run``, ``report``, ``film``.
+        ``lost`` (trials that ended their worker twice, with the reason), ``wall_seconds``,
+        ``paths`` to ``run``, ``report``, ``film``.
     """
     began, task = time.monotonic(), study.task
     figures.check(study)
     command = command or f"tpsim.lab.run(study, {plan!r})  # {task!r}"
     settings = {"plan": asdict(plan), "demonstrations": task.demonstrations}
     opened = open_folder(study, command, settings, plan.seed, folder)
-    with removed_if_nothing_came(opened.folder):
+    with kept_or_removed(opened.folder):
         shown = teaching.taught_all(study, task.demonstrations, plan.seed, workers)
-    taught = {behaviour: found.trials for behaviour, found in shown.items()}
-    for behaviour, trials in taught.items():
-        where = opened.folder / DEMONSTRATIONS / behaviour
-        write_demonstrations(where, study, behaviour, trials, seed=plan.seed, command=command)
-    models = learn(task, taught)
-    opened.save_models(models)
-    lab = Lab(study, models, taught)
-    records = _experiment(opened, lab, plan, workers, progress)
-    say("measuring")
-    results = figures.results(lab, records)
-    if look is not None:
-        look(lab, records, results)
-    film, hint = _film(opened, lab, records) if video else (None, "No film was asked for.")
-    opened = opened.finish()
-    report = _report(opened, lab, records, results, film, hint, teaching.section(shown))
-    return {
-        "task": task.name,
-        "seed": plan.seed,
-        "trials": len(records),
-        **teaching.refused(shown),
-        "figures": {result.name: result.value for result in results} | _compared(study, records),
-        "missed": [result.title for result in results if result.passed is False],
-        "wall_seconds": round(time.monotonic() - began, 1),
-        "paths": {
-            "run": str(opened.folder),
-            "report": str(report),
-            "film": None if film is None else str(film),
-        },
-    }
+        taught = {behaviour: found.trials for behaviour, found in shown.items()}
+        for behaviour, trials in taught.items():
+            where = opened.folder / DEMONSTRATIONS / behaviour
+            write_demonstrations(where, study, behaviour, trials, seed=plan.seed, command=command)
+        models = learn(task, taught)
+        opened.save_models(models)
+        lab = Lab(study, models, taught)
+        records = _experiment(opened, lab, plan, workers, progress)
+        say("measuring")
+        results = figures.results(lab, records)
+        if look is not None:
+            look(lab, records, results)
+        film, hint = _film(opened, lab, records) if video else (None, "No film was asked for.")
+        # A folder in which a trial is missing is not whole.
+        opened = opened if records.lost else opened.finish()
+        report = _report(opened, lab, records, results, film, hint, teaching.section(shown))
+        return {
+            "task": task.name,
+            "seed": plan.seed,
+            "trials": len(records),
+            **teaching.refused(shown),
+            "figures": {result.name: result.value for result in results}
+            | _compared(study, records),
+            "missed": [result.title for result in results if result.passed is False],
+            "lost": [lost.row() for lost in records.lost],
+            "wall_seconds": round(time.monotonic() - began, 1),
+            "paths": {
+                "run": str(opened.folder),
+                "report": str(report),
+                "film": None if film is None else str(film),
+            },
+        }
 
 
 def _experiment(run: Run, lab: Lab, plan: Plan, workers: int, progress: bool) -> Records:
@@ -160,6 +165,9 @@ def _report(
         sections = study.sections(records)
     if study.contest is not None:
         sections = [*sections, *fronts.sections(study.contest, records)]
+    if records.lost:
+        rows = [lost.row() for lost in records.lost]
+        sections = [Section("Trials that are missing", _LOST, table=rows), *sections]
     return write_report(
         run.folder / "report.html",
         title=study.title or task.name,

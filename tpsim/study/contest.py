@@ -197,18 +197,24 @@ class Contest:
                 wide = float(np.percentile(numbers, 95))
             found[f"{error.name}_p95_{error.unit}"] = wide
             found[f"{error.name}_max_{error.unit}"] = largest
-        moved = [self.moved(r) for r in records if all(map(self.counts, r.condition.push))]
+        counted = [r for r in records if all(map(self.counts, r.condition.push))]
+        moved = [way for record in counted if (way := self.moved(record)) is not None]
         found["displacement_mean_mm"] = float(np.mean(moved)) if moved else None
         found["pushes"] = len(records)
         return found
 
-    def moved(self, record: Record) -> float:
-        """How far [mm] a push moves its site at most: from its unpushed twin, or from its start."""
+    def moved(self, record: Record) -> float | None:
+        """How far [mm] a push moves its site at most: from its unpushed twin, or from its start.
+
+        None where the twin is missing.
+        """
         span = push_interval(record.trial)
         if record.trial.outcome == "diverged" or span is None:
             return 0.0
         signal = f"{site_of(record)}_position"
         twin = record.beside(self.rest) if self.twins else None
+        if self.twins and twin is None:
+            return None
         if twin is None:
             position = record[signal]
             first = int(np.searchsorted(record.trial.time, span[0]))

@@ -1,23 +1,26 @@
 """Conditions performed: the one place where a condition becomes a trial, here or in processes."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
-from tpsim.errors import ArgumentError
+from tpsim.errors import ArgumentError, SimulationError
 from tpsim.study.condition import Condition
 from tpsim.study.files.about import Performed, TaskFile
 from tpsim.study.files.checked import plain
 from tpsim.study.study import Study
-from tpsim.study.workers import Workers
+from tpsim.study.workers import Death, Workers
 from tpsim.task.task import Models
 from tpsim.task.verbs import perform
 from tpsim.world.teaching import demonstrate
 from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
+
+T = TypeVar("T")
 
 _SHOWN = 2
 
@@ -96,20 +99,66 @@ def perform_all(
     ArgumentError
         If ``workers`` is less than 1.
     SimulationError
-        If a worker dies.
+        If a trial ended its worker twice.
+    """
+    for number, trial in enumerate(perform_each(study, models, conditions, _kept_whole, workers)):
+        if isinstance(trial, Death):
+            raise SimulationError(f"trial {number} was not performed: {trial}")
+        yield trial
+
+
+Keep = Callable[[Study, Models, int, Condition, Trial], T]
+"""What is kept of a trial: ``keep(study, models, number, condition, trial)``."""
+
+
+def perform_each(
+    study: Study,
+    models: Models,
+    conditions: Sequence[Condition],
+    keep: Keep[T],
+    workers: int = 1,
+) -> Iterator[T | Death]:
+    """Perform conditions, and keep of every trial what ``keep`` makes of it where it was performed.
+
+    Parameters
+    ----------
+    study, models, conditions, workers
+        As for :func:`perform_all`.
+    keep : callable
+        What it returns travels from the worker to this process.
+
+    Yields
+    ------
+    object
+        What was kept, in the order of conditions; a :class:`~tpsim.study.workers.Death` for a
+        trial that ended its worker twice.
     """
     if workers < 1:
         raise ArgumentError(f"{workers} workers were asked for; ask for at least 1")
-    if workers == 1 or len(conditions) < 2:
-        yield from (perform_condition(study, models, condition) for condition in conditions)
-        return
+    count = min(workers, len(conditions)) or 1
     world = study.task.stage
-    made = study, dict(models), (world.xml, world.description, dict(world.assets))
-    with Workers(min(workers, len(conditions)), _open, made) as pool:
-        yield from pool.map(conditions)
+    made: _Made[T] = (study, dict(models), keep, None)
+    if count > 1:
+        made = (*made[:3], (world.xml, world.description, dict(world.assets)))
+    with Workers(count, _open, made) as pool:
+        yield from pool.map(list(enumerate(conditions)))
 
 
-def _open(made: tuple[Study, Models, tuple]) -> "partial[Trial]":
-    study, models, world = made
-    task = study.task.in_world(World(*world))
-    return partial(perform_condition, replace(study, task=task), models)
+_Made = tuple[Study, Models, Keep[T], tuple | None]
+
+
+def _open(made: _Made[T]) -> "partial[T]":
+    study, models, keep, world = made
+    if world is not None:
+        study = replace(study, task=study.task.in_world(World(*world)))
+    return partial(_perform_and_keep, study, models, keep)
+
+
+@one_thread()
+def _perform_and_keep(study: Study, models: Models, keep: Keep[T], job: tuple[int, Condition]) -> T:
+    number, condition = job
+    return keep(study, models, number, condition, perform_condition(study, models, condition))
+
+
+def _kept_whole(_: Study, __: Models, ___: int, ____: Condition, trial: Trial) -> Trial:
+    return trial

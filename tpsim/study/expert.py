@@ -97,7 +97,7 @@ def tuned(experts: Mapping[str, Expert], file: Path) -> dict[str, Expert]:
     if not file.is_file():
         return dict(experts)
     try:
-        found = json.loads(file.read_text())["experts"]
+        found = json.loads(file.read_text(encoding="utf-8"))["experts"]
         return {
             name: replace(expert, gains=found[name]["gains"]) if name in found else expert
             for name, expert in experts.items()

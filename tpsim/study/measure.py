@@ -116,6 +116,8 @@ class Measure:
 
     def number(self, record: Record) -> float | None:
         """What one trial comes to, in ``unit``; None where it has nothing to say."""
+        if self.name in record.numbers:
+            return record.numbers[self.name]
         series = self.series(record)
         if series is None:
             return None

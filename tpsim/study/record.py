@@ -1,5 +1,6 @@
 """Records: what was asked for and what happened, and how they are found."""
 
+from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -10,6 +11,9 @@ from tpsim.robot.views.view import View
 from tpsim.study.condition import Condition
 from tpsim.task.task import Models, Task
 from tpsim.world.trial import Trial
+
+_SEEN = 64
+"""Values of views along trials that are kept, the latest; what was seen before is seen again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +28,8 @@ class Record:
     models : mapping of str to TPGMM
     all : Records
         The records that it is one of.
+    numbers : mapping of str to float
+        What is known of it already, by the names of the study's measures.
     """
 
     condition: Condition
@@ -31,18 +37,22 @@ class Record:
     task: Task
     models: Models
     all: "Records" = field(repr=False)
+    numbers: Mapping[str, float | None] = field(default_factory=dict, repr=False)
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Return a signal of the trial."""
         return self.trial[name]
 
     def see(self, view: View) -> np.ndarray:
-        """Value (T, d) of a view along the trial; computed once."""
-        known: dict[View, np.ndarray] = self.__dict__.setdefault("_seen", {})
-        if view not in known:
+        """Value (T, d) of a view along the trial; the latest are kept."""
+        seen, key = self.all.seen, (id(self), view)
+        if key not in seen:
             robot, trial = self.task.stage.robot, self.trial
-            (known[view],) = observe(robot, [view], trial["q"], trial.objects)
-        return known[view]
+            (seen[key],) = observe(robot, [view], trial["q"], trial.objects)
+            if len(seen) > _SEEN:
+                seen.popitem(last=False)
+        seen.move_to_end(key)
+        return seen[key]
 
     def beside(self, label: str = "unpushed", controller: str | None = None) -> "Record | None":
         """The record of another label in the same situation; of the same controller by default.
@@ -61,6 +71,34 @@ class Record:
         )
 
 
+@dataclass(frozen=True)
+class Lost:
+    """A trial that could not be performed: its worker died twice.
+
+    Parameters
+    ----------
+    number : int
+        Of the trial in the run.
+    condition : Condition
+    reason : str
+    """
+
+    number: int
+    condition: Condition
+    reason: str
+
+    def row(self) -> dict[str, object]:
+        """What answers and reports say of it."""
+        condition = self.condition
+        return {
+            "trial": self.number,
+            "condition": condition.label,
+            "controller": condition.controller,
+            "situation": condition.situation.index,
+            "reason": self.reason,
+        }
+
+
 class Records(Sequence[Record]):
     """Records of a study, in the order in which they were performed.
 
@@ -69,15 +107,24 @@ class Records(Sequence[Record]):
     task : Task
     models : mapping of str to TPGMM
     trials : sequence of (Condition, Trial)
+
+    Attributes
+    ----------
+    lost : list of Lost
+        Trials that are missing.
     """
 
     def __init__(self, task: Task, models: Models, trials: Sequence[tuple[Condition, Trial]] = ()):
         self.task, self.models = task, models
+        self.seen: OrderedDict[tuple[int, View], np.ndarray] = OrderedDict()
+        self.lost: list[Lost] = []
         self._records = [Record(c, t, task, models, self) for c, t in trials]
 
-    def add(self, condition: Condition, trial: Trial) -> Record:
-        """Add what happened under a condition."""
-        record = Record(condition, trial, self.task, self.models, self)
+    def add(
+        self, condition: Condition, trial: Trial, numbers: Mapping[str, float | None] | None = None
+    ) -> Record:
+        """Add what happened under a condition, and what was measured of it already."""
+        record = Record(condition, trial, self.task, self.models, self, numbers or {})
         self._records.append(record)
         return record
 

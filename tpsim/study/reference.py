@@ -13,7 +13,7 @@ from types import ModuleType
 
 import cloudpickle
 
-from tpsim.errors import ArgumentError, TpsimError
+from tpsim.errors import ArgumentError, TpsimError, one_line
 from tpsim.study.study import Study
 from tpsim.task.task import Task
 
@@ -112,7 +112,7 @@ def _importing(what: str, work: Callable[[], None]) -> None:
     except TpsimError as error:
         raise ArgumentError(f"{what} does not import{_line_of(error)}: {error}") from error
     except (Exception, SystemExit) as error:
-        reason = " ".join(str(error).split())
+        reason = one_line(error)
         raise ArgumentError(
             f"{what} does not import{_line_of(error)}: {type(error).__name__}: {reason}"
         ) from error

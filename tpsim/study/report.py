@@ -94,7 +94,7 @@ def write_report(
             _repeat(command),
         )
     )
-    style = resources.files("tpsim.study").joinpath("report.css").read_text()
+    style = resources.files("tpsim.study").joinpath("report.css").read_text(encoding="utf-8")
     page = (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from scipy.stats import binomtest
@@ -56,6 +57,7 @@ def run_teachers(
     folder = run_folder(study.task.name, plan.seed) if folder is None else folder
     numbers: dict[str, list[list[float]]] = {}
     wholes: dict[str, list[Result]] = {}
+    lost: list[dict[str, object]] = []
     counts = {"trials": 0, "situations": 0, "refused_demonstrations": 0}
 
     def look(lab: Lab, records: Records, results: Sequence[Result]) -> None:
@@ -77,6 +79,7 @@ def run_teachers(
             look=look,
         )
         counts["trials"] += int(str(answer["trials"]))
+        lost += [{"seed": plan.seed + k, **row} for row in cast(list[dict], answer["lost"])]
         counts["situations"] += plan.situations
         counts["refused_demonstrations"] += int(str(answer.get("refused_demonstrations", 0)))
     measures = {m.name: m for m in study.all_measures}
@@ -109,6 +112,7 @@ def run_teachers(
         "figures": figures,
         "kept": {str(row["measure"]): row for row in rows},
         "missed": [result.title for result in results if result.passed is False],
+        "lost": lost,
         "paths": {"run": str(folder), "report": str(report)},
     }
     write_text(folder / "teachers.json", to_json(plain(found), indent=1))

@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from tpsim import paths
+from tpsim.errors import SimulationError
 from tpsim.study import learned
 from tpsim.study.files.models_file import model_files, save_models
 from tpsim.study.files.run import DEMONSTRATIONS, Run
@@ -13,7 +14,7 @@ from tpsim.study.recording import Answer, say
 from tpsim.study.report import Section
 from tpsim.study.study import Study
 from tpsim.study.teaching_files import add_demonstrations, check_place, read_demonstrations
-from tpsim.study.workers import Workers
+from tpsim.study.workers import Death, Workers
 from tpsim.task.task import Models, Task
 from tpsim.task.verbs import Taught, show_all
 from tpsim.task.verbs import learn as learn_behaviours
@@ -164,7 +165,16 @@ def taught_all(study: Study, count: int, seed: int, workers: int = 1) -> dict[st
     if workers == 1 or len(behaviours) == 1:
         return {behaviour: _taught(study.task, count, seed, behaviour) for behaviour in behaviours}
     with Workers(min(workers, len(behaviours)), _teacher, (study.task, count, seed)) as pool:
-        return dict(zip(behaviours, pool.map(behaviours), strict=True))
+        return {
+            name: _whole(name, found)
+            for name, found in zip(behaviours, pool.map(behaviours), strict=True)
+        }
+
+
+def _whole(behaviour: str, found: Shown | Death) -> Shown:
+    if isinstance(found, Death):
+        raise SimulationError(f"'{behaviour}' was not taught: {found}")
+    return found
 
 
 def _teacher(given: tuple[Task, int, int]) -> "partial[Shown]":
@@ -174,6 +184,7 @@ def _teacher(given: tuple[Task, int, int]) -> "partial[Shown]":
 def _taught(task: Task, count: int, seed: int, behaviour: str) -> Shown:
     """Demonstrations of one behaviour; standard error says how every attempt ends."""
     good = 0
+    say(f"teaching {behaviour}: {count} demonstrations")
 
     def tell(name: str, attempt: int, outcome: str) -> None:
         nonlocal good

@@ -6,7 +6,7 @@ from pathlib import Path
 from tpsim.study import figures
 from tpsim.study.condition import Condition
 from tpsim.study.record import Records
-from tpsim.study.recording import Answer, open_folder, record_all
+from tpsim.study.recording import Answer, kept_or_removed, open_folder, record_all
 from tpsim.study.study import Study
 from tpsim.study.teaching import Source, models_of
 from tpsim.task.task import draw_situation
@@ -76,10 +76,11 @@ def _try(
         conditions.append(replace(conditions[0], label="pushed", push=(push,)))
     settings = {"situation": asdict(situation), "push": push and asdict(push)}
     run = open_folder(study, command, settings, seed, folder)
-    run.save_models(models)
-    records = Records(task, models)
-    record_all(run, study, records, conditions)
-    run.finish()
+    with kept_or_removed(run.folder):
+        run.save_models(models)
+        records = Records(task, models)
+        record_all(run, study, records, conditions)
+        run.finish()
     return {
         "task": task.name,
         "seed": seed,

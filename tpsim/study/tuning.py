@@ -18,10 +18,9 @@ from pathlib import Path
 
 import numpy as np
 from scipy.stats import qmc
-from threadpoolctl import threadpool_limits
 from tqdm import tqdm  # type: ignore[import-untyped]
 
-from tpsim.errors import ArgumentError
+from tpsim.errors import ArgumentError, SimulationError
 from tpsim.study.condition import Condition
 from tpsim.study.contest import Contest
 from tpsim.study.expert import Expert, Range
@@ -30,11 +29,12 @@ from tpsim.study.record import Records
 from tpsim.study.recording import Answer, say
 from tpsim.study.study import Study
 from tpsim.study.summary import plain
-from tpsim.study.workers import Workers
+from tpsim.study.workers import Death, Workers
 from tpsim.task.task import Task, draw_situation
 from tpsim.task.verbs import perform
 from tpsim.versions import versions
 from tpsim.whole import write_text
+from tpsim.world.threads import one_thread
 from tpsim.world.world import World
 
 SEED = 10_000
@@ -135,10 +135,12 @@ def tune(
             continue
         say(f"tuning {name}: {trials} sets of {', '.join(expert.ranges)}")
         found[name] = _search(judges, name, expert, trials, seed, contest.yielding)
-    kept = json.loads(file.read_text())["experts"] if only and file.is_file() else {}
+    kept = (
+        json.loads(file.read_text(encoding="utf-8"))["experts"] if only and file.is_file() else {}
+    )
     every = kept | {name: one | about for name, one in found.items()}
     content = {"task": study.task.name, "experts": every}
-    write_text(file, json.dumps(plain(content), indent=1) + "\n")
+    write_text(file, json.dumps(plain(content), indent=1) + "\n", replace=True)
     return {
         "task": study.task.name,
         "seed": seed,
@@ -176,7 +178,10 @@ class Judges:
         scene = world.xml, world.description, dict(world.assets)
         made = self.task, self.contest, self.seed, scene
         with Workers(min(self.workers, len(jobs)), _open, made) as pool:
-            yield from pool.map(jobs)
+            for (name, _), found in zip(jobs, pool.map(jobs), strict=True):
+                if isinstance(found, Death):
+                    raise SimulationError(f"gains of '{name}' were not tried: {found}")
+                yield found
 
 
 def _open(made: tuple) -> "partial[Tried]":  # type: ignore[type-arg]
@@ -194,7 +199,7 @@ def judge(task: Task, contest: Contest, seed: int) -> "partial[Tried]":
 def _judged(task: Task, contest: Contest, conditions: Sequence[Condition], job: Job) -> Tried:
     name, gains = job
     expert, records = replace(contest.experts[name], gains=gains), Records(task, {})
-    with threadpool_limits(1):
+    with one_thread():
         for condition in conditions:
             trial = perform(
                 task,

@@ -1,128 +1,213 @@
-"""Worker processes: what they are given travels by value, what they return comes in order.
+"""Work for executors: one function applied to many arguments, here or in processes.
 
-Every worker has a pipe of its own, which says when the other side is gone.
+One worker is this process; more are any :class:`concurrent.futures.Executor`, loky's by default.
+What they are given travels by value, what they return comes in order. A worker that dies costs
+nothing but time: what it was doing is done again, alone, and only what ends its worker a second
+time is given up.
 """
 
+import inspect
 import io
-import multiprocessing
 import os
 import pickle
+import re
 import signal
 import sys
-import threading
 import traceback
+import warnings
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from multiprocessing.connection import Connection, wait
-from types import ModuleType
-from typing import Generic, TypeVar, cast
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from contextlib import contextmanager, redirect_stdout
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Generic, TypeVar
 
 import cloudpickle
 
-from tpsim.errors import SimulationError, TpsimError
+from tpsim.driver import end_with
+from tpsim.errors import SimulationError, TpsimError, one_line, place
 
 G = TypeVar("G")
 A = TypeVar("A")
 B = TypeVar("B")
 
-_PATIENCE = 2.0
-"""Time [s] that a worker has to end before it is killed."""
+_AHEAD = 4
+"""Results for each worker that may wait for one before them: memory does not grow with the work."""
+
+_WARNINGS = "PYTHONWARNINGS"
+
+
+@dataclass(frozen=True)
+class Death:
+    """That an argument ended its worker twice: it comes in the place of a result.
+
+    Parameters
+    ----------
+    reason : str
+        What ended the worker, such as ``"signal 9"``.
+    """
+
+    reason: str
+
+    def __str__(self) -> str:
+        """Return a line for people."""
+        return (
+            f"it ended its worker process twice ({self.reason}): it was killed, or there was no "
+            "memory left; try again with fewer workers"
+        )
+
+
+def processes(count: int) -> Executor:
+    """Executor of fresh processes, which end with this one and leave Ctrl-C to it."""
+    # Importing it takes a while, and what runs in one process does without.
+    from loky import ProcessPoolExecutor
+
+    with _deaf():
+        return ProcessPoolExecutor(
+            count,
+            timeout=None,
+            initializer=end_with,
+            initargs=(os.getpid(),),
+            # A crash is told in one line; empty is off for Python and for loky.
+            env={"PYTHONFAULTHANDLER": ""},
+        )
 
 
 class Workers(Generic[A, B]):
-    """Processes that apply one function to many arguments; a context that ends them.
+    """Applies one function to many arguments; a context that ends its processes.
 
     Parameters
     ----------
     count : int
+        Processes; with 1 all is done in this one.
     make : callable
         ``make(given)`` makes the function, once in every worker.
     given : object
         Sent by value with cloudpickle: functions of a user's file or notebook may be in it.
+    executor : callable, optional
+        Makes an executor of so many workers, and a new one when it broke; :func:`processes` by
+        default.
     """
 
-    def __init__(self, count: int, make: Callable[[G], Callable[[A], B]], given: G):
-        self._packed = _by_value((make, given))
-        self._count = count
-        self._processes: list[tuple[multiprocessing.process.BaseProcess, Connection]] = []
+    def __init__(
+        self,
+        count: int,
+        make: Callable[[G], Callable[[A], B]],
+        given: G,
+        executor: Callable[[int], Executor] = processes,
+    ):
+        self._count, self._new = count, executor
+        self._make, self._given = make, given
+        self._executor: Executor | None = None
 
     def __enter__(self) -> "Workers[A, B]":
-        # Fresh processes inherit no threads, locks or renderers.
-        context = multiprocessing.get_context("spawn")
-        with _quiet_start():
-            for _ in range(self._count):
-                ours, theirs = context.Pipe()
-                process = context.Process(target=_work, args=(theirs,), daemon=True)
-                process.start()
-                theirs.close()
-                self._processes.append((process, ours))
+        if self._count > 1:
+            self._packed = _by_value((self._make, self._given))
+            self._executor = self._new(self._count)
+        else:
+            self._function = self._make(self._given)
         return self
 
     def __exit__(self, kind: object, error: object, trace: object) -> None:
-        for process, pipe in self._processes:
-            pipe.close()
-            if kind is not None:
-                process.terminate()
-        for process, _ in self._processes:
-            process.join(_PATIENCE)
-            if process.is_alive():
-                process.kill()
-                process.join()
+        self._end(at_once=kind is not None)
 
-    def map(self, arguments: Sequence[A]) -> Iterator[B]:
-        """Results in the order of the arguments.
+    def map(self, arguments: Sequence[A]) -> Iterator[B | Death]:
+        """Results in the order of the arguments; a :class:`Death` for what ended its worker twice.
 
-        Raises
-        ------
-        SimulationError
-            If a worker dies. What a worker raises is raised here.
+        What the function raises is raised here.
         """
-        waiting = iter(enumerate(arguments))
-        busy: dict[Connection, int] = {}
-        done: dict[int, B] = {}
-        for _, pipe in self._processes:
-            self._send(pipe, self._packed)
-            self._give(pipe, waiting, busy)
+        if self._count == 1:
+            yield from map(self._function, arguments)
+            return
+        waiting = deque(range(len(arguments)))
+        running: dict[Future, int] = {}
+        done: dict[int, B | Death] = {}
         for index in range(len(arguments)):
             while index not in done:
-                for pipe in cast(list[Connection], wait(list(busy))):
-                    number = busy.pop(pipe)
-                    done[number] = self._receive(pipe)
-                    self._give(pipe, waiting, busy)
+                while waiting and len(running) < self._count and self._near(waiting[0], index):
+                    self._give(running, waiting.popleft(), arguments)
+                wait(running, return_when=FIRST_COMPLETED)
+                if suspects := _collect(running, done):
+                    self._again(suspects, arguments, done)
             yield done.pop(index)
 
-    def _give(
-        self, pipe: Connection, waiting: Iterator[tuple[int, A]], busy: dict[Connection, int]
+    def _near(self, number: int, index: int) -> bool:
+        return number < index + _AHEAD * self._count
+
+    def _give(self, running: dict[Future, int], number: int, arguments: Sequence[A]) -> None:
+        assert self._executor is not None
+        future: Future
+        try:
+            with _deaf():
+                future = self._executor.submit(_apply, self._packed, _by_value(arguments[number]))
+        except BrokenExecutor as error:
+            future = Future()
+            future.set_exception(error)
+        running[future] = number
+
+    def _again(
+        self, suspects: list[int], arguments: Sequence[A], done: dict[int, B | Death]
     ) -> None:
-        for number, argument in waiting:
-            self._send(pipe, _by_value(argument))
-            busy[pipe] = number
+        """Do again, one after the other, what was being done when a worker died."""
+        self._renew()
+        for number in sorted(suspects):
+            alone: dict[Future, int] = {}
+            self._give(alone, number, arguments)
+            (future,) = alone
+            try:
+                done[number] = _result(future)
+            except BrokenExecutor as error:
+                done[number] = Death(_how(error))
+                self._renew()
+
+    def _renew(self) -> None:
+        self._end(at_once=True)
+        self._executor = self._new(self._count)
+
+    def _end(self, *, at_once: bool) -> None:
+        executor, self._executor = self._executor, None
+        if executor is None:
             return
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            if at_once and "kill_workers" in inspect.signature(executor.shutdown).parameters:
+                executor.shutdown(kill_workers=True)  # type: ignore[call-arg]
+            else:
+                executor.shutdown()
 
-    def _send(self, pipe: Connection, packed: bytes) -> None:
+
+def _collect(running: dict[Future, int], done: dict) -> list[int]:
+    """Take out what is done; return what was running in an executor that is broken."""
+    finished = [future for future in running if future.done()]
+    suspects = []
+    for future in finished:
+        number = running.pop(future)
         try:
-            pipe.send_bytes(packed)
-        except OSError:
-            raise self._death(pipe) from None
+            done[number] = _result(future)
+        except BrokenExecutor:
+            suspects.append(number)
+    if suspects:
+        # The executor fails all that it has.
+        wait(running)
+        suspects += _collect(running, done)
+    return suspects
 
-    def _receive(self, pipe: Connection) -> B:
-        try:
-            result, error = pickle.loads(pipe.recv_bytes())
-        except (EOFError, OSError):
-            raise self._death(pipe) from None
-        if error is not None:
-            raise error
-        return cast(B, result)
 
-    def _death(self, pipe: Connection) -> SimulationError:
-        process = next(p for p, ours in self._processes if ours is pipe)
-        process.join(_PATIENCE)
-        code = process.exitcode
-        how = f"signal {-code}" if code is not None and code < 0 else f"exit code {code}"
-        return SimulationError(
-            f"a worker process died ({how}): it was killed, or there was no memory left; "
-            "try again with fewer workers"
-        )
+def _result(future: Future):  # type: ignore[no-untyped-def]
+    result, error = pickle.loads(future.result())
+    if error is not None:
+        raise error
+    return result
+
+
+def _how(error: BrokenExecutor) -> str:
+    """Which signal or exit code ended a worker, out of loky's paragraphs."""
+    found = re.search(r"\{(?:\w+\()?(-?\d+)\)?[,}]", str(error))
+    if found is None:
+        return one_line(error)[:100]
+    code = int(found[1])
+    return f"signal {-code}" if code < 0 else f"exit code {code}"
 
 
 class _Pickler(cloudpickle.Pickler):  # type: ignore[misc]
@@ -141,53 +226,47 @@ def _by_value(value: object) -> bytes:
 
 
 @contextmanager
-def _quiet_start() -> Iterator[None]:
-    """Start workers that leave Ctrl-C to the driver, and do not run the user's script again."""
-    script = sys.modules["__main__"]
-    sys.modules["__main__"] = ModuleType("__main__")
+def _deaf() -> Iterator[None]:
+    """Start processes that leave Ctrl-C, and a terminal that goes away, to this one."""
     # A blocked signal is inherited; one that comes meanwhile is delivered afterwards.
-    can_block = hasattr(signal, "pthread_sigmask")
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if can_block else set()
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+    told = os.environ.get(_WARNINGS)
+    # Who tidies up after a driver that was killed does so without paragraphs.
+    os.environ[_WARNINGS] = ",".join(filter(None, [told, "ignore:resource_tracker"]))
     try:
         yield
     finally:
-        sys.modules["__main__"] = script
-        if can_block:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if told is None:
+            del os.environ[_WARNINGS]
+        else:
+            os.environ[_WARNINGS] = told
 
 
-def _work(pipe: Connection) -> None:
-    """Apply the function until the driver closes the pipe."""
-    threading.Thread(target=_end_with_driver, daemon=True).start()
+@lru_cache(1)
+def _made(packed: bytes) -> Callable:
+    make, given = pickle.loads(packed)
+    function: Callable = make(given)
+    return function
+
+
+def _apply(packed: bytes, argument: bytes) -> bytes:
+    """Apply the function, made at the first time, to an argument."""
     try:
-        packed, apply = pipe.recv_bytes(), None
-        while True:
-            argument = pipe.recv_bytes()
-            try:
-                if apply is None:
-                    make, given = pickle.loads(packed)
-                    apply = make(given)
-                answer = cloudpickle.dumps((apply(pickle.loads(argument)), None))
-            except Exception as error:
-                answer = _packed_error(error)
-            pipe.send_bytes(answer)
-    except (EOFError, OSError):
-        # The driver is gone, or has all that it wants.
-        os._exit(0)
-
-
-def _end_with_driver() -> None:
-    """A driver that is killed cannot end its workers."""
-    driver = multiprocessing.parent_process()
-    assert driver is not None
-    driver.join()
-    os._exit(1)
+        with redirect_stdout(sys.stderr):  # the driver's answer is alone on its own
+            return cloudpickle.dumps((_made(packed)(pickle.loads(argument)), None))
+    except Exception as error:
+        return _packed_error(error)
 
 
 def _packed_error(error: Exception) -> bytes:
-    """An error that can travel; what is no error of tpsim keeps its traceback as a note."""
+    """An error that can travel; what is no error of tpsim keeps where it happened as a note."""
     if not isinstance(error, TpsimError):
         error.add_note("in a worker process:\n" + "".join(traceback.format_exception(error)))
+        error.place = place(error)  # type: ignore[attr-defined]
     try:
         packed = cloudpickle.dumps((None, error))
         pickle.loads(packed)

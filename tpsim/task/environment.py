@@ -4,7 +4,6 @@ import warnings
 from typing import Unpack
 
 import numpy as np
-from dm_env import specs
 
 from tpsim.task.performance import Options, OwnController, Performance
 from tpsim.task.task import Task
@@ -12,9 +11,16 @@ from tpsim.task.task import Task
 with warnings.catch_warnings():
     # Looking for a renderer, dm_control warns where there is no display.
     warnings.simplefilter("ignore")
-    from dm_control import mujoco
-    from dm_control.mujoco import wrapper
-    from dm_control.rl import control
+    try:
+        from dm_control import mujoco
+        from dm_control.mujoco import wrapper
+        from dm_control.rl import control
+        from dm_env import specs
+    except ModuleNotFoundError as error:
+        raise ImportError(
+            f"environments of dm_env need {error.name}, which is not installed: pip install "
+            "'tpsim[dm]' (its labmaze has no wheels for Python 3.13 and later); Gymnasium's do not"
+        ) from None
 
 
 class Physics(mujoco.Physics):

@@ -25,7 +25,7 @@ def recordings(path: Path) -> list[Recording]:
         import pyarrow
         import pyarrow.parquet as parquet
     with opened(path, "LeRobot dataset"):
-        info = json.loads((path / "meta" / "info.json").read_text())
+        info = json.loads((path / "meta" / "info.json").read_text(encoding="utf-8"))
         rate, features = float(info["fps"]), dict(info["features"])
         files = sorted((path / "data").rglob("*.parquet"))
         if not files:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from tpsim.data.readers.text_layout import Written, fields_of, is_number
-from tpsim.errors import RecordingError
+from tpsim.errors import RecordingError, one_line
 
 
 def numbers(path: Path, table: Written, columns: list[int]) -> np.ndarray:
@@ -26,7 +26,7 @@ def numbers(path: Path, table: Written, columns: list[int]) -> np.ndarray:
             return np.genfromtxt(lines, delimiter=separator, usecols=columns, ndmin=2)
         return np.loadtxt(lines, delimiter=separator, usecols=columns, ndmin=2, quotechar='"')
     except ValueError as error:
-        fault = _fault(table, columns) or " ".join(str(error).split())
+        fault = _fault(table, columns) or one_line(error)
         raise RecordingError(f"{path}: {fault}") from error
 
 

@@ -145,8 +145,10 @@ def _write(
         "video_path": None,
         "features": features,
     }
-    (folder / "meta" / "info.json").write_text(json.dumps(info, indent=4))
-    (folder / "meta" / "stats.json").write_text(json.dumps(_stats(joined), indent=4))
+    (folder / "meta" / "info.json").write_text(json.dumps(info, indent=4), encoding="utf-8")
+    (folder / "meta" / "stats.json").write_text(
+        json.dumps(_stats(joined), indent=4), encoding="utf-8"
+    )
 
 
 def _stats(columns: Mapping[str, np.ndarray]) -> dict[str, dict[str, list[float]]]:

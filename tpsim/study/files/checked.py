@@ -9,7 +9,7 @@ from typing import TypeVar, cast
 import msgspec
 import numpy as np
 
-from tpsim.errors import RecordingError
+from tpsim.errors import RecordingError, one_line
 
 T = TypeVar("T")
 
@@ -25,7 +25,7 @@ def plain(value: object) -> object:
     try:
         return json.loads(json.dumps(value, default=_builtin), parse_constant=_constant)
     except (TypeError, ValueError, RecursionError) as error:
-        raise RecordingError(f"{_line(error)}: it cannot be written as JSON") from None
+        raise RecordingError(f"{one_line(error)}: it cannot be written as JSON") from None
 
 
 def to_json(value: object, indent: int | None = None) -> str:
@@ -57,7 +57,7 @@ def from_json(text: str, kind: type[T], where: object) -> T:
         # Half a surrogate pair is a text to Python alone.
         json.dumps(found, ensure_ascii=False).encode()
     except (ValueError, RecursionError) as error:
-        raise RecordingError(f"{where} is no JSON ({_line(error)}); record it again") from None
+        raise RecordingError(f"{where} is no JSON ({one_line(error)}); record it again") from None
     return restore(found, kind, where)
 
 
@@ -73,9 +73,9 @@ def restore(found: object, kind: type[T], where: object) -> T:
         value = msgspec.convert(found, kind, dec_hook=_other)
         _compare_keys(found, plain(value), "$")
     except (msgspec.ValidationError, _KeysDiffer) as error:
-        raise RecordingError(f"{where}: {_line(error)}") from None
+        raise RecordingError(f"{where}: {one_line(error)}") from None
     except (TypeError, ValueError, RecursionError, ArithmeticError, LookupError) as error:
-        raise RecordingError(f"{where} is no {kind.__name__}: {_line(error)}") from None
+        raise RecordingError(f"{where} is no {kind.__name__}: {one_line(error)}") from None
     return value
 
 
@@ -129,7 +129,3 @@ def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
     if len(found) != len(pairs):
         raise ValueError("a key occurs twice")
     return found
-
-
-def _line(error: Exception) -> str:
-    return " ".join(str(error).split())

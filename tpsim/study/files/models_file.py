@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from tpsim.errors import RecordingError
+from tpsim.errors import RecordingError, one_line
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.study.files.inside import inside
 from tpsim.task.task import Models
@@ -54,5 +54,5 @@ def _load(file: Path) -> TPGMM:
     try:
         return TPGMM.load(file)
     except (KeyError, ValueError, TypeError, IndexError) as error:
-        reason = " ".join(str(error).split())
+        reason = one_line(error)
         raise RecordingError(f"{file} is no model ({reason}); learn it again") from None

@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
-from scipy.signal import butter, lfilter, sosfilt
 
 from tpsim import rotation, timeline
 from tpsim.errors import ArgumentError
@@ -129,6 +127,8 @@ def minimum_jerk(times, points):
     callable
         ``curve(t, k)``: k-th derivative at times t.
     """
+    from scipy.interpolate import make_interp_spline  # slow to import: only teachers need it
+
     times, points = np.asarray(times, float), np.asarray(points, float)
     if (np.diff(times) <= 0).any():
         raise ArgumentError(f"via times {times} must increase")
@@ -179,6 +179,8 @@ def wandering(
 
 def _wander(rng, steps, timestep, deviation, time):
     """Stationary wandering (steps, 3): white noise through two equal first-order lags."""
+    from scipy.signal import lfilter  # slower yet
+
     pole = np.exp(-timestep / time)
     noise = rng.standard_normal((steps, 3))
     for _ in range(2):
@@ -192,6 +194,8 @@ def _tremor(rng, steps, timestep, deviation, variation):
     """Tremor (steps, 3): in its band of frequencies where it has one, else fast wandering."""
     if variation.tremor_band is None:
         return _wander(rng, steps, timestep, deviation, variation.tremor_time)
+    from scipy.signal import butter, sosfilt
+
     band = butter(2, variation.tremor_band, "bandpass", fs=1 / timestep, output="sos")
     # Two seconds ahead, so that the filter has settled.
     ahead = round(2 / timestep)

@@ -13,11 +13,13 @@ LOOSE = 0.03
 
 
 def felt_mass(state: State) -> float:
-    """Mass [kg] that a person feels at a hand: harmonic mean over directions and hands."""
-    M = np.linalg.inv(state.mass)
-    J = [state.jacobian(site)[:3] for site in state.robot.hands.values()]
-    mobility = [np.trace(j @ M @ j.T) / np.linalg.matrix_rank(j @ M @ j.T, tol=1e-9) for j in J]
-    return 1.0 / float(np.mean(mobility))
+    """Mass [kg] that a person feels at a hand: mean over its principal directions and hands."""
+    M, masses = np.linalg.inv(state.mass), []
+    for site in state.robot.hands.values():
+        J = state.jacobian(site)[:3]
+        mobility = np.linalg.eigvalsh(J @ M @ J.T)
+        masses += (1 / mobility[mobility > 1e-9 * mobility[-1]]).tolist()
+    return float(np.mean(masses))
 
 
 def loose(stiffness: np.ndarray) -> np.ndarray:

@@ -5,7 +5,9 @@ the one form that the code behind the border works with, or raises an ArgumentEr
 was given, what is allowed and, in an array, where the first offence is.
 """
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping, Set
+from os import PathLike, fspath
+from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -19,12 +21,15 @@ from tpsim.arrays import frozen as frozen
 from tpsim.arrays import frozen_array as frozen_array
 from tpsim.arrays import own as own
 from tpsim.arrays import place as place
-from tpsim.errors import ArgumentError
+from tpsim.arrays import shown as shown
+from tpsim.errors import ArgumentError, ItemError
 
 Value = TypeVar("Value")
 Seed = int | np.random.Generator | None
 
 MOST = 10**9  # as many of anything nobody means
+ROOM = 2**27  # numbers in an array: one gibibyte
+LONGEST_NAME = 1000  # letters in the path of a file
 FASTEST = 1e-100  # [s]: rates of change over shorter steps leave the range of floating point
 
 
@@ -122,15 +127,6 @@ def number(
     raise ArgumentError(f"{name} is {shown(value)}; give a {kind} {what}{words}")
 
 
-def shown(value: object) -> str:
-    """What was given, in a few words."""
-    try:
-        words = repr(value)
-    except Exception:  # whatever a foreign object raises, or an integer too long to print
-        words = f"a {type(value).__name__}"
-    return words if len(words) <= 80 else f"{words[:77]}..."
-
-
 def bound(name: str, value: object) -> float:
     """Number that may be infinite, but not NaN: where an iteration ends."""
     try:
@@ -162,6 +158,35 @@ def whole(name: str, value: object, least: int = 0, hint: str = "") -> int:
     )
 
 
+def affordable(name: str, count: object, each: int = 1, least: int = 1) -> int:
+    """Whole number of things of which each takes ``each`` numbers, within a gibibyte together."""
+    found = whole(name, count, least)
+    if found * max(each, 1) > ROOM:
+        raise ArgumentError(
+            f"{name} is {found}: that takes {8 * found * each / 2**30:.1f} GiB; give at most "
+            f"{ROOM // max(each, 1)}"
+        )
+    return found
+
+
+def picked(array: np.ndarray, index: object) -> np.ndarray:
+    """Part of an array; an ItemError where the index means nothing."""
+    try:
+        found: np.ndarray = array[index]  # type: ignore[index]
+    except Exception as error:  # whatever numpy, or a foreign object, raises
+        raise ItemError(f"index is {shown(index)}; {' '.join(str(error).split())[:200]}") from None
+    return found
+
+
+def path(name: str, value: object) -> Path:
+    """Name of a file or a folder."""
+    if isinstance(value, str | PathLike):
+        text = fspath(value)
+        if isinstance(text, str) and text and "\0" not in text and len(text) < LONGEST_NAME:
+            return Path(text)
+    raise ArgumentError(f"{name} is {shown(value)}; give the name of a file or a folder")
+
+
 def choice(name: str, value: object, allowed: Collection[str]) -> str:
     """One of the allowed words."""
     if not isinstance(value, str) or value not in allowed:
@@ -184,12 +209,9 @@ def several(name: str, value: object, kind: type[Value], hint: str = "") -> list
     """List of values of a class; one alone counts as a list of one."""
     if isinstance(value, kind):
         return [value]
-    if not _iterable(value) or not isinstance(value, Iterable):
-        raise ArgumentError(
-            f"{name} is a {type(value).__name__}; give one or more {kind.__name__}"
-            + (f"; {hint}" if hint else "")
-        )
-    return [instance(f"{name}[{i}]", one, kind, hint) for i, one in enumerate(value)]
+    wanted = f"one or more {kind.__name__}" + (f"; {hint}" if hint else "")
+    items = _items(name, value, wanted)
+    return [instance(f"{name}[{i}]", one, kind, hint) for i, one in enumerate(items)]
 
 
 def entries(name: str, value: object, *, tables: bool = True) -> list[object]:
@@ -199,14 +221,17 @@ def entries(name: str, value: object, *, tables: bool = True) -> list[object]:
     """
     if tables and is_table(name, value):
         return [value]
-    if not _iterable(value):
-        raise ArgumentError(f"{name} is {shown(value)}; give a sequence")
-    return list(value) if isinstance(value, Iterable) else []
+    return _items(name, value, "a sequence")
 
 
-def _iterable(value: object) -> bool:
-    flat = isinstance(value, np.ndarray) and value.ndim == 0
-    return isinstance(value, Iterable) and not isinstance(value, str | bytes) and not flat
+def _items(name: str, value: object, wanted: str) -> list[object]:
+    """Items of what has an order; text, a mapping and a set are no sequences."""
+    if isinstance(value, Iterable) and not isinstance(value, str | bytes | Mapping | Set):
+        try:
+            return list(value)
+        except Exception:  # whatever a foreign object, or an array without axes, raises
+            pass
+    raise ArgumentError(f"{name} is {shown(value)}; give {wanted}")
 
 
 def is_table(name: str, value: object) -> bool:

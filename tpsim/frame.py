@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import finite_array, frozen, frozen_array, whole
+from tpsim.checks import entries, finite_array, frozen, frozen_array, instance, picked, whole
 from tpsim.errors import ArgumentError
 
 WORST_CONDITION = 1e10  # beyond it a square A counts as singular
@@ -88,8 +88,8 @@ class Frame(Stored):
         """Select along the leading axes, as ``frame[t]`` for the frame at step t."""
         index = index if isinstance(index, tuple) else (index,)
         return Frame.trusted(
-            self.A[(*index, Ellipsis, slice(None), slice(None))],
-            self.b[(*index, Ellipsis, slice(None))],
+            picked(self.A, (*index, Ellipsis, slice(None), slice(None))),
+            picked(self.b, (*index, Ellipsis, slice(None))),
         )
 
     def to_local(self, x: ArrayLike) -> np.ndarray:
@@ -124,6 +124,15 @@ class Frame(Stored):
         A = np.kron(np.eye(n + 1), self.A)
         b = np.concatenate([self.b, np.zeros((*self.shape, n * self.dim))], axis=-1)
         return Frame.trusted(A, b)
+
+
+def frames_or_none(name: str, frames: object) -> list[Frame | None]:
+    """Frames, of which None stands for one that is not observed; one alone is a list of one."""
+    given = [frames] if isinstance(frames, Frame) else entries(name, frames)
+    return [
+        None if frame is None else instance(f"{name}[{j}]", frame, Frame, "or None")
+        for j, frame in enumerate(given)
+    ]
 
 
 def pseudoinverse(A: np.ndarray) -> np.ndarray:

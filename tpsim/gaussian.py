@@ -14,14 +14,15 @@ from numpy.typing import ArrayLike
 from tpsim.archive import Stored
 from tpsim.checks import (
     Seed,
+    affordable,
     dimensions,
     finite_array,
     frozen,
     frozen_array,
     generator,
     instance,
+    picked,
     several,
-    whole,
 )
 from tpsim.covariance import WORST_CONDITION as WORST_CONDITION
 from tpsim.covariance import add_ridge as add_ridge
@@ -101,8 +102,8 @@ class Gaussian(Stored):
         """Select along the leading axes."""
         index = index if isinstance(index, tuple) else (index,)
         return Gaussian.trusted(
-            self.mean[(*index, Ellipsis, slice(None))],
-            self.covariance[(*index, Ellipsis, slice(None), slice(None))],
+            picked(self.mean, (*index, Ellipsis, slice(None))),
+            picked(self.covariance, (*index, Ellipsis, slice(None), slice(None))),
         )
 
     @cached_property
@@ -197,7 +198,9 @@ class Gaussian(Stored):
         ``rng`` is a numpy Generator or a seed.
         """
         sizes = size if isinstance(size, tuple) else (size,)
-        sizes = tuple(whole("size", one) for one in sizes)
+        each = self.mean.size
+        for one in sizes:
+            each *= affordable("size", one, each, least=0)
         eigenvalues, V = np.linalg.eigh(self.covariance)
         root = V * np.sqrt(np.maximum(eigenvalues, 0))[..., None, :]
         z = generator("rng", rng).standard_normal((*sizes, *self.mean.shape))

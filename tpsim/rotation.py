@@ -31,7 +31,7 @@ def _scipy() -> type[Rotation]:
 
 def skew(v: ArrayLike) -> np.ndarray:
     """Cross-product matrix: ``skew(v) @ x = v x x``, shape (..., 3) -> (..., 3, 3)."""
-    v = _shaped("vectors", v, (3,))
+    v = _shaped("v", v, (3,))
     S = np.zeros((*v.shape[:-1], 3, 3))
     S[..., 0, 1], S[..., 0, 2], S[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
     return S - np.swapaxes(S, -1, -2)
@@ -39,7 +39,7 @@ def skew(v: ArrayLike) -> np.ndarray:
 
 def exp(w: ArrayLike) -> np.ndarray:
     """Rotation matrices (..., 3, 3) of rotation vectors (..., 3) [rad]."""
-    w = _shaped("rotation vectors", w, (3,))
+    w = _shaped("w", w, (3,))
     return (
         _scipy().from_rotvec(_writable(w.reshape(-1, 3))).as_matrix().reshape(*w.shape[:-1], 3, 3)
     )
@@ -47,7 +47,7 @@ def exp(w: ArrayLike) -> np.ndarray:
 
 def log(R: ArrayLike) -> np.ndarray:
     """Rotation vectors (..., 3) [rad] of rotation matrices (..., 3, 3); angle in [0, pi]."""
-    R = _shaped("rotations", R, (3, 3))
+    R = _shaped("R", R, (3, 3))
     try:
         return (
             _scipy()
@@ -56,7 +56,7 @@ def log(R: ArrayLike) -> np.ndarray:
             .reshape(*R.shape[:-2], 3)
         )
     except ValueError as error:
-        raise ArgumentError(f"rotations hold a matrix that is none: {error}") from error
+        raise ArgumentError(f"R holds a matrix that is none: {error}") from error
 
 
 def to_quaternion(R: ArrayLike) -> np.ndarray:
@@ -68,7 +68,7 @@ def to_quaternion(R: ArrayLike) -> np.ndarray:
 
 def from_quaternion(quaternion: ArrayLike) -> np.ndarray:
     """Rotation matrices (..., 3, 3) of quaternions (..., 4), w first, of any length but zero."""
-    quaternion = _shaped("quaternions", quaternion, (4,))
+    quaternion = _shaped("quaternion", quaternion, (4,))
     lost = np.linalg.norm(quaternion, axis=-1) == 0
     if lost.any():
         raise ArgumentError(
@@ -169,7 +169,7 @@ def left_jacobian_inverse(w: ArrayLike) -> np.ndarray:
 
     ``d log(R) / dt = left_jacobian_inverse(log(R)) @ omega``. Singular at an angle of 2 pi only.
     """
-    w = _shaped("rotation vectors", w, (3,))
+    w = _shaped("w", w, (3,))
     angle = np.linalg.norm(w, axis=-1)[..., None, None]
     S = skew(w)
     half = angle / 2
@@ -181,7 +181,7 @@ def left_jacobian_inverse(w: ArrayLike) -> np.ndarray:
 
 def left_jacobian(w: ArrayLike) -> np.ndarray:
     """Map from the rate of ``log(R)`` to world angular velocity: (..., 3) -> (..., 3, 3)."""
-    w = _shaped("rotation vectors", w, (3,))
+    w = _shaped("w", w, (3,))
     angle = np.linalg.norm(w, axis=-1)[..., None, None]
     S = skew(w)
     small = angle < 1e-4
@@ -197,7 +197,7 @@ def tilt(R: ArrayLike, axis: ArrayLike = (0.0, 0.0, 1.0)) -> np.ndarray:
     The cup's tilt: how far its axis leans from the vertical.
     """
     axis = _shaped("axis", axis, (3,))
-    carried = _shaped("rotations", R, (3, 3)) @ axis
+    carried = _shaped("R", R, (3, 3)) @ axis
     # atan2 keeps its precision near zero, where arccos has none.
     sine = np.linalg.norm(np.cross(carried, axis), axis=-1)
     return np.arctan2(sine, carried @ axis)
@@ -212,7 +212,7 @@ def _shaped(name: str, values: ArrayLike, last: tuple[int, ...]) -> np.ndarray:
     values = finite_array(name, values)
     if values.shape[-len(last) :] != last:
         raise ArgumentError(
-            f"{name} have shape {values.shape}; the last axes must be {last}"
+            f"{name} has shape {values.shape}; the last axes must be {last}"
             + (", (w, x, y, z)" if last == (4,) else "")
         )
     return values
@@ -220,12 +220,12 @@ def _shaped(name: str, values: ArrayLike, last: tuple[int, ...]) -> np.ndarray:
 
 def _matrices(R: ArrayLike) -> np.ndarray:
     """Rotation matrices, or an ArgumentError for what scipy would bend into some."""
-    R = _shaped("rotations", R, (3, 3))
+    R = _shaped("R", R, (3, 3))
     wrong = np.abs(R.mT @ R - np.eye(3)).max((-1, -2)) > 1e-2
     wrong |= np.linalg.det(R) < 0
     if wrong.any():
         raise ArgumentError(
-            f"rotations hold a matrix that is none, the first {place(wrong)}: R'R must be the "
+            f"R holds a matrix that is none, the first {place(wrong)}: R'R must be the "
             "identity and det R one"
         )
     return R

@@ -38,6 +38,11 @@ FURTHER = {
 }
 """What public functions return, beside what the rooms name."""
 
+KINDS = ("Beneath", "Direction", "FiniteHorizon", "FixedImpedance", "Guide", "Joints", "Lead",
+         "MinimalIntervention", "Objects", "Offset", "Part", "Pursuit", "Push", "RenewedImpedance",
+         "Spare", "TimedIntervention", "View", "Weightless")  # fmt: skip
+"""Views, controllers and people."""
+
 INSIDE = {
     **dict.fromkeys(
         ["HDDC.fit", "HDDC.start", "MFA.fit", "MFA.start", "MPPCA.fit", "MPPCA.start",
@@ -50,7 +55,19 @@ INSIDE = {
         "a step of EM, which hands its own densities on; users call those of HMM and HSMM",
     ),
     **dict.fromkeys(
-        ["Frame.trusted", "Gaussian.trusted", "GMM.trusted"],
+        [f"lab.{kind}.{step}" for step in ("command", "labels", "product", "renew", "resolved",
+         "rows", "see", "moving", "bind") for kind in KINDS],
+        "its author writes it, the roll-out calls it at every time step",
+    ),
+    **dict.fromkeys(
+        [f"lab.{name}" for name in ("Impedance", "Impedance.of_modes", "Objects", "Pose", "Robot",
+         "Robot.of", "Robot.compute_bias", "Robot.compute_jacobian", "Robot.compute_mass",
+         "Robot.compute_pose", "Seen", "Simulation", "Simulation.apply_wrench", "Simulation.step",
+         "State")],
+        "made or called at every time step: holds what it is given, unchecked",
+    ),
+    **dict.fromkeys(
+        ["Frame.trusted", "Gaussian.trusted", "GMM.trusted", "Regression.trusted"],
         "documented as the way around all checks",
     ),
 }  # fmt: skip
@@ -96,7 +113,9 @@ def _add(found: dict[str, object], seen: set[object], room: str, name: str, valu
 
 
 def _protocol(kind: type) -> bool:
-    return typing.is_protocol(kind) if hasattr(typing, "is_protocol") else "_is_protocol" in vars(kind)
+    return (
+        typing.is_protocol(kind) if hasattr(typing, "is_protocol") else "_is_protocol" in vars(kind)
+    )
 
 
 def _methods(kind: type):

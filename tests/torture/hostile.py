@@ -271,7 +271,9 @@ def relatives(good: object) -> Iterable[Hostile]:
     elif isinstance(good, Frame):
         A, b = np.array(good.A), np.array(good.b)
         yield Hostile("singular", lambda: Frame(np.zeros_like(A), b))
-        yield Hostile("nearly singular", lambda: Frame(A * np.where(np.arange(A.shape[-1]), 1e-14, 1), b))
+        yield Hostile(
+            "nearly singular", lambda: Frame(A * np.where(np.arange(A.shape[-1]), 1e-14, 1), b)
+        )
         yield Hostile("huge", lambda: Frame(A * 1e90, b * 1e90))
         yield Hostile("tiny", lambda: Frame(A * 1e-90, b * 1e-90))
         yield Hostile("far away", lambda: Frame(A, b + 1e90))
@@ -295,12 +297,16 @@ def relatives(good: object) -> Iterable[Hostile]:
         yield Hostile("with fewer frames", lambda: Demonstration(t, x, f[:-1]))
         yield Hostile("narrower", lambda: Demonstration(t, x[:, :1]))
         yield Hostile("an outlier", lambda: Demonstration(t, changed(x, 1e50), f))
-        yield Hostile("one column still", lambda: Demonstration(t, x * np.r_[0, np.ones(x.shape[1] - 1)], f))
+        yield Hostile(
+            "one column still", lambda: Demonstration(t, x * np.r_[0, np.ones(x.shape[1] - 1)], f)
+        )
     elif isinstance(good, GMM):
         g = good.gaussians
         yield Hostile("a prior of zero", lambda: GMM(np.eye(len(good.priors))[0], g))
         yield Hostile("one component", lambda: GMM(np.ones(1), g[:1]))
-        yield Hostile("tiny", lambda: GMM(good.priors, Gaussian(g.mean * 1e-90, g.covariance * 1e-90)))
+        yield Hostile(
+            "tiny", lambda: GMM(good.priors, Gaussian(g.mean * 1e-90, g.covariance * 1e-90))
+        )
         yield Hostile("huge", lambda: GMM(good.priors, Gaussian(g.mean, g.covariance * 1e90)))
         yield Hostile("equal components", lambda: GMM(good.priors, g[[0] * len(good.priors)]))
 

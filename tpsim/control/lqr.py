@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_are, solve_discrete_are
 
 from tpsim.archive import Stored
-from tpsim.checks import finite_array, flag, own
+from tpsim.border import checked
+from tpsim.checks import finite_array, flag
 from tpsim.control.system import LinearSystem
 from tpsim.errors import ArgumentError
 
@@ -34,7 +35,7 @@ class Regulator(Stored):
     riccati: np.ndarray
 
     def __post_init__(self) -> None:
-        own(self, "gain", "riccati")
+        checked(self)
 
 
 def lqr(

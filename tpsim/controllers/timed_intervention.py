@@ -106,7 +106,7 @@ def _regression(
     rest = covariance @ information[:, 1:]
     input_precision = precision[:, :1, :1] + cross @ slope
     input_mean = (information[:, :1] - cross @ rest) / input_precision
-    return Regression(
+    return Regression.trusted(
         input_mean[..., 0],
         (rest + slope * input_mean)[..., 0],
         np.concatenate((np.sqrt(input_precision), slope), axis=1),

@@ -112,7 +112,7 @@ class HiddenStates(Stored):
 
     def state_probabilities(self, steps: int) -> np.ndarray:
         """P(s_t) for a movement yet to be made, (steps, K): the forward variable alone."""
-        return self.chain.probabilities(whole("steps", steps, least=1))
+        return self.chain.probabilities(steps)
 
     def state_sequence(self, steps: int) -> np.ndarray:
         """Most likely state at every step of a movement yet to be made, (steps,)."""
@@ -120,7 +120,7 @@ class HiddenStates(Stored):
 
     def sample_states(self, steps: int, rng: Seed) -> np.ndarray:
         """Draw the states of a movement yet to be made, (steps,); ``rng`` may be a seed."""
-        return self.chain.sample(whole("steps", steps, least=1), generator("rng", rng))
+        return self.chain.sample(steps, generator("rng", rng))
 
 
 class HMM(HiddenStates):

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tpsim.checks import Seed, dimensions, generator, instance, number, own, several, whole
+from tpsim.border import checked
+from tpsim.checks import Seed, dimensions, frozen, generator, instance, number, several, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
@@ -100,7 +101,8 @@ class FrameReport:
     significance: float
 
     def __post_init__(self) -> None:
-        own(self, "mean", "peak", "peak_progress", "chance", "tested")
+        checked(self)
+        object.__setattr__(self, "tested", frozen(self.tested.astype(bool)))
 
     @property
     def never(self) -> tuple[int, ...]:

@@ -101,7 +101,7 @@ class _Subspace(Part):
 
     def subspace(self, dim: int) -> int:
         """Dimension used in a space of dimension ``dim``: a subspace is smaller than it."""
-        return min(self.dimension, dim - 1)
+        return min(self.dimension, whole("dim", dim, least=1) - 1)
 
     def start(self, covariance, limit):
         """Need no factors."""

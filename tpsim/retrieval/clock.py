@@ -5,12 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from tpsim.border import Count, border
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 
 
+@border
 def on_one_clock(
-    demonstrations: Sequence[Demonstration], samples: int | None = None
+    demonstrations: Sequence[Demonstration], samples: Count | None = None
 ) -> list[Demonstration]:
     """Demonstrations stretched to one duration, and sampled at the same, equally spaced times.
 
@@ -32,7 +34,6 @@ def on_one_clock(
     ArgumentError
         No demonstration, fewer than two samples, or frames or dimensions that differ.
     """
-    demonstrations = list(demonstrations)
     if not demonstrations:
         raise ArgumentError("there is no demonstration; give at least one")
     shapes = {(d.data.shape[1], tuple(o.shape[1] for o in d.observations)) for d in demonstrations}

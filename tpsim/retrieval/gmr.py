@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tpsim.archive import Stored
-from tpsim.checks import FLOAT, dimensions, finite_array, instance, number
+from tpsim.border import checked
+from tpsim.checks import FLOAT, dimensions, finite_array, frozen, instance, number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Dimensions, Gaussian, add_ridge, mixed_moments
 from tpsim.learning.gmm import GMM
@@ -92,8 +93,34 @@ class Regression(Stored):
     log_scale: NDArray
 
     def __post_init__(self) -> None:
-        for array in (self.input_mean, self.output_mean, self.linear, self.covariance):
-            array.setflags(write=False)
+        checked(self)
+        I, O = self.input_mean.shape[-1:], self.output_mean.shape[-1:]
+        lead = self.input_mean.shape[:-1]
+        shapes = [array.shape for array in vars(self).values()]
+        wanted = [(*lead, *I), (*lead, *O), (*lead, *I, *O), (*lead, *O, *O), lead]
+        if len(lead) and len(O):
+            wanted[2] = (*lead, I[0] + O[0], I[0])
+        if shapes != wanted:
+            raise ArgumentError(
+                f"input_mean, output_mean, linear, covariance and log_scale have shapes {shapes}; "
+                f"give (..., K, I), (..., K, O), (..., K, I + O, I), (..., K, O, O) and (..., K)"
+            )
+
+    @classmethod
+    def trusted(
+        cls,
+        input_mean: NDArray,
+        output_mean: NDArray,
+        linear: NDArray,
+        covariance: NDArray,
+        log_scale: NDArray,
+    ) -> Regression:
+        """Build without checks and copies, from arrays of one's own: the path of control loops."""
+        made = object.__new__(cls)
+        parts = (input_mean, output_mean, linear, covariance, log_scale)
+        names = ("input_mean", "output_mean", "linear", "covariance", "log_scale")
+        made.__dict__.update(zip(names, map(frozen, parts), strict=True))
+        return made
 
     @classmethod
     def of(
@@ -126,7 +153,7 @@ class Regression(Stored):
             conditional = add_ridge(conditional, number("ridge", ridge, least=0))
         diagonal = whiten.diagonal(axis1=-2, axis2=-1)
         log_scale = np.log(np.maximum(gmm.priors * np.multiply.reduce(diagonal, -1), _TINY))
-        return cls(mean[..., :inputs], mean[..., inputs:], linear, conditional, log_scale)
+        return cls.trusted(mean[..., :inputs], mean[..., inputs:], linear, conditional, log_scale)
 
     def __call__(self, inputs: ArrayLike) -> Gaussian:
         """Single Gaussian at inputs (..., I), Eqs 17-19: mean (..., O), covariance (..., O, O)."""

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tpsim.archive import Stored
-from tpsim.checks import choice, finite_array, frozen_array, number, several
+from tpsim.border import Count, checked
+from tpsim.checks import choice, finite_array, number, several
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian, floor_eigenvalues, symmetric
 from tpsim.learning.gmm import GMM
@@ -33,12 +34,19 @@ class MixtureProcess(Stored):
     """
 
     process: GaussianProcess
-    shape: tuple[int, int]
+    shape: tuple[Count, Count]
     encoding: Encoding
     floor: NDArray
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "floor", frozen_array("floor", self.floor))
+        checked(self)
+        K, D = self.shape
+        size = K + K * D + K * D * D
+        if self.floor.shape != (K,) or len(self.process.mean) != size:
+            raise ArgumentError(
+                f"floor has shape {self.floor.shape} and process {len(self.process.mean)} outputs; "
+                f"with shape {self.shape} give ({K},) and {size}"
+            )
 
     def __call__(self, task: ArrayLike) -> GMM:
         """Mixture for new task parameters (q,), Eq. 46."""

@@ -189,4 +189,4 @@ def _seen(learned: Sequence[View], frames: Frames) -> tuple[tuple[View, ...], li
 
 
 def _fuse(local: Sequence[Gaussian], frames: Frames) -> Gaussian:
-    return fuse_frames(*_seen(local, frames))
+    return fuse_frames(local, frames)

@@ -34,8 +34,7 @@ def gmr_library(demonstrations: list[Demonstration]) -> Learned:
         local.append(Gaussian(np.array([m.mean for m in at]), np.array([m.covariance for m in at])))
 
     def retrieve(frames: Frames) -> Gaussian:
-        seen = [(v, f) for v, f in zip(local, frames, strict=True) if f is not None]
-        return fuse_frames([view for view, _ in seen], [frame for _, frame in seen])
+        return fuse_frames(local, frames)
 
     n = 1 + sum(view.shape[1] for view in views)
     return Learned(retrieve, COMPONENTS * (1 + n * (n + 3) // 2) - 1)

@@ -4,8 +4,9 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-import tpsim as tp
 from recipe import Book
+
+import tpsim as tp
 from tpsim import projection, rotation
 from tpsim.learning.relevance import FrameReport
 from tpsim.learning.selection import Selection
@@ -20,7 +21,9 @@ FOLDER = Path(tempfile.mkdtemp(prefix="torture-"))
 
 def path(k: int) -> np.ndarray:
     """Movement (T, 2), one of several."""
-    return np.column_stack([TIME + 0.1 * k, np.sin(3 * TIME + 0.2 * k)]) + 0.02 * RNG.normal(size=(T, 2))
+    return np.column_stack([TIME + 0.1 * k, np.sin(3 * TIME + 0.2 * k)]) + 0.02 * RNG.normal(
+        size=(T, 2)
+    )
 
 
 def frames(k: int) -> tuple[tp.Frame, tp.Frame]:
@@ -90,7 +93,9 @@ def _values(book: Book) -> None:
     add("Frame.with_input", frame.with_input, n=1)
     add("Gaussian", tp.Gaussian, mean=np.zeros(2), covariance=np.eye(2))
     add("Gaussian", tp.Gaussian, mean=np.zeros((3, 2)), covariance=np.tile(np.eye(2), (3, 1, 1)))
-    add("Gaussian.__getitem__", SEVERAL.__getitem__, index=1, takes={"index": {"slice", "ellipsis"}})
+    add(
+        "Gaussian.__getitem__", SEVERAL.__getitem__, index=1, takes={"index": {"slice", "ellipsis"}}
+    )
     add("Gaussian.affine", GAUSSIAN.affine, A=np.array([[1.0, 2.0], [0.5, 1.0]]), b=np.ones(2))
     add("Gaussian.condition", GAUSSIAN.condition, value=np.array([0.3]), given=0, of=[1])
     add("Gaussian.log_density", SEVERAL.log_density, x=np.ones((3, 2)))
@@ -101,16 +106,50 @@ def _values(book: Book) -> None:
     add("match_moments", tp.match_moments, weights=np.array([0.2, 0.3, 0.5]), gaussian=SEVERAL)
     add("add_ridge", tp.add_ridge, covariance=np.eye(2), rho=0.1)
     add("floor_eigenvalues", tp.floor_eigenvalues, covariance=np.eye(2), minimum=0.1)
-    add("Demonstration", tp.Demonstration, takes={"time": DATES, "name": {"*"}}, free=("name",),
-        time=TIME, data=PATHS[0], frames=FRAMES, observations=[PATHS[1], PATHS[2]], name="d")
-    add("Demonstration.from_poses", tp.Demonstration.from_poses, takes={"time": DATES},
-        time=TIME[:3], positions=np.ones((3, 3)), orientations=QUATERNIONS, convention="wxyz",
-        degrees=False, frames=(), observations=None, name="d", free=("name",))
-    add("Demonstration.from_poses", tp.Demonstration.from_poses, takes={"time": DATES},
-        time=TIME[:3], positions=np.ones((3, 3)), orientations=ROTATIONS, convention="matrix")
-    add("Demonstration.from_poses", tp.Demonstration.from_poses, takes={"time": DATES},
-        time=TIME[:3], positions=np.ones((3, 3)), orientations=np.ones((3, 3)), convention="xyz",
-        degrees=True)
+    add(
+        "Demonstration",
+        tp.Demonstration,
+        takes={"time": DATES, "name": {"*"}},
+        free=("name",),
+        time=TIME,
+        data=PATHS[0],
+        frames=FRAMES,
+        observations=[PATHS[1], PATHS[2]],
+        name="d",
+    )
+    add(
+        "Demonstration.from_poses",
+        tp.Demonstration.from_poses,
+        takes={"time": DATES},
+        time=TIME[:3],
+        positions=np.ones((3, 3)),
+        orientations=QUATERNIONS,
+        convention="wxyz",
+        degrees=False,
+        frames=(),
+        observations=None,
+        name="d",
+        free=("name",),
+    )
+    add(
+        "Demonstration.from_poses",
+        tp.Demonstration.from_poses,
+        takes={"time": DATES},
+        time=TIME[:3],
+        positions=np.ones((3, 3)),
+        orientations=ROTATIONS,
+        convention="matrix",
+    )
+    add(
+        "Demonstration.from_poses",
+        tp.Demonstration.from_poses,
+        takes={"time": DATES},
+        time=TIME[:3],
+        positions=np.ones((3, 3)),
+        orientations=np.ones((3, 3)),
+        convention="xyz",
+        degrees=True,
+    )
     add("Demonstration.resampled", DEMONSTRATIONS[0].resampled, times=7, smooth=True)
     add("Demonstration.resampled", DEMONSTRATIONS[0].resampled, times=TIME[2:5], smooth=False)
     add("Demonstration.with_derivatives", DEMONSTRATIONS[0].with_derivatives, n=2)
@@ -125,29 +164,82 @@ def _values(book: Book) -> None:
 def _learning(book: Book) -> None:
     add = book.add
     few = {"tolerance": 1e-3, "max_iterations": 5}
-    add("fit_gmm", tp.fit_gmm, data=PATHS[0], components=2, covariance="full", start="kmeans",
-        ridge=1e-4, restarts=1, time=TIME, rng=0, **few, takes={"time": DATES, "start": {"*"}})
+    add(
+        "fit_gmm",
+        tp.fit_gmm,
+        data=PATHS[0],
+        components=2,
+        covariance="full",
+        start="kmeans",
+        ridge=1e-4,
+        restarts=1,
+        time=TIME,
+        rng=0,
+        **few,
+        takes={"time": DATES, "start": {"*"}},
+    )
     add("fit_gmm", tp.fit_gmm, data=PATHS, components=2, covariance="diagonal", start="time")
     add("fit_gmm", tp.fit_gmm, data=DEMONSTRATIONS, components=2, covariance=tp.MFA(1))
-    add("fit_tp_gmm", tp.fit_tp_gmm, demonstrations=DEMONSTRATIONS, components=2,
-        covariance="full", start="time", ridge=1e-4, restarts=1, rng=0, **few)
+    add(
+        "fit_tp_gmm",
+        tp.fit_tp_gmm,
+        demonstrations=DEMONSTRATIONS,
+        components=2,
+        covariance="full",
+        start="time",
+        ridge=1e-4,
+        restarts=1,
+        rng=0,
+        **few,
+    )
     add("fit_tp_gmm", tp.fit_tp_gmm, demonstrations=PATHS, components=2, covariance=tp.HDDC(1))
-    add("update_tp_gmm", tp.update_tp_gmm, model=TPGMM, demonstrations=TIMED[:1], **_signature_of_update())
-    add("TPGMM", tp.TPGMM, priors=np.array([0.4, 0.6]), frames=[SEVERAL[:2], SEVERAL[1:]],
-        history=np.array([1.0, 2.0]), samples=10)
+    add(
+        "update_tp_gmm",
+        tp.update_tp_gmm,
+        model=TPGMM,
+        demonstrations=TIMED[:1],
+        **_signature_of_update(),
+    )
+    add(
+        "TPGMM",
+        tp.TPGMM,
+        priors=np.array([0.4, 0.6]),
+        frames=[SEVERAL[:2], SEVERAL[1:]],
+        history=np.array([1.0, 2.0]),
+        samples=10,
+    )
     add("TPGMM.adapt", PLACES.adapt, frames=FRAMES, ridge=1e-4, prior=GAUSSIAN)
     for method in ("log_joint", "log_likelihood", "responsibilities"):
         add(f"TPGMM.{method}", getattr(PLACES, method), observations=DEMONSTRATIONS)
         add(f"TPGMM.{method}", getattr(PLACES, method), observations=[PATHS[0], PATHS[1]])
         add(f"GMM.{method}", getattr(GMM, method), x=TIMED[0].data)
-    add("GMM", tp.GMM, priors=np.array([0.4, 0.6]), gaussians=SEVERAL[:2],
-        history=np.array([1.0, 2.0]), samples=10)
+    add(
+        "GMM",
+        tp.GMM,
+        priors=np.array([0.4, 0.6]),
+        gaussians=SEVERAL[:2],
+        history=np.array([1.0, 2.0]),
+        samples=10,
+    )
     add("GMM.__getitem__", STEPS.__getitem__, index=1, takes={"index": {"slice", "ellipsis"}})
     add("GMM.sample", GMM.sample, rng=0, size=3)
-    add("fit_pgmm", tp.fit_pgmm, sequences=PATHS, components=2, rng=0, **few,
-        **{PGMM_PARAMETERS: np.array([[0.0, 1.0], [1.0, 0.2], [0.5, 0.7]])})
-    add("PGMM", tp.PGMM, priors=np.ones(1), maps=np.zeros((1, 2, 3)), covariance=np.eye(2)[None],
-        history=np.array([1.0]))
+    add(
+        "fit_pgmm",
+        tp.fit_pgmm,
+        sequences=PATHS,
+        components=2,
+        rng=0,
+        **few,
+        **{PGMM_PARAMETERS: np.array([[0.0, 1.0], [1.0, 0.2], [0.5, 0.7]])},
+    )
+    add(
+        "PGMM",
+        tp.PGMM,
+        priors=np.ones(1),
+        maps=np.zeros((1, 2, 3)),
+        covariance=np.eye(2)[None],
+        history=np.array([1.0]),
+    )
     add("PGMM.adapt", PGMM.adapt, parameters=np.array([0.1, 0.2]))
     for method in ("log_likelihood", "responsibilities"):
         add(f"PGMM.{method}", getattr(PGMM, method), data=PATHS[0], parameters=np.array([0.1, 0.2]))
@@ -156,14 +248,49 @@ def _learning(book: Book) -> None:
     add("bic", lambda model, data: tp.bic(model, data), model=PLACES, data=DEMONSTRATIONS)
     add("dp_means", tp.dp_means, points=PATHS[0], radius=0.5)
     add("dp_means_start", tp.dp_means_start, data=DEMONSTRATIONS, radius=0.5)
-    add("select_model", tp.select_model, data=DEMONSTRATIONS, components=[1, 2],
-        covariances=("full", "diagonal"), criterion="bic", start="time")
-    add("select_model", tp.select_model, data=PATHS[0], components=range(1, 3), fit=tp.fit_gmm,
-        covariances=("full",), criterion="aic")
-    add("shrink_directions", tp.shrink_directions, model=TPGMM, demonstrations=3, given=(0,), blocks=1)
-    add("frame_relevance", tp.frame_relevance, model=PLACES, demonstration=DEMONSTRATIONS[0], dims=[0, 1])
-    add("frame_report", tp.frame_report, model=PLACES, demonstrations=DEMONSTRATIONS, dims=[0],
-        significance=0.05, draws=20, rng=0)
+    add(
+        "select_model",
+        tp.select_model,
+        data=DEMONSTRATIONS,
+        components=[1, 2],
+        covariances=("full", "diagonal"),
+        criterion="bic",
+        start="time",
+    )
+    add(
+        "select_model",
+        tp.select_model,
+        data=PATHS[0],
+        components=range(1, 3),
+        fit=tp.fit_gmm,
+        covariances=("full",),
+        criterion="aic",
+    )
+    add(
+        "shrink_directions",
+        tp.shrink_directions,
+        model=TPGMM,
+        demonstrations=3,
+        given=(0,),
+        blocks=1,
+    )
+    add(
+        "frame_relevance",
+        tp.frame_relevance,
+        model=PLACES,
+        demonstration=DEMONSTRATIONS[0],
+        dims=[0, 1],
+    )
+    add(
+        "frame_report",
+        tp.frame_report,
+        model=PLACES,
+        demonstrations=DEMONSTRATIONS,
+        dims=[0],
+        significance=0.05,
+        draws=20,
+        rng=0,
+    )
     add("frame_shares", tp.frame_shares, model=PLACES, frames=FRAMES, dims=[0])
     for structure in (tp.HDDC, tp.MFA, tp.MPPCA):
         add(structure.__name__, structure, dimension=1)
@@ -174,8 +301,16 @@ def _learning(book: Book) -> None:
     add("Warp", tp.Warp, path=np.array([[0, 0], [1, 1]]), cost=1.0)
     add("align", tp.align, demonstrations=DEMONSTRATIONS, reference=0, band=4, by="data", rounds=2)
     add("on_one_clock", tp.on_one_clock, demonstrations=DEMONSTRATIONS, samples=9)
-    add("FrameReport", FrameReport, **_fields(FrameReport, tp.frame_report(PLACES, DEMONSTRATIONS, draws=20)))
-    add("Selection", Selection, **_fields(Selection, tp.select_model(PATHS[0], [1, 2], fit=tp.fit_gmm)))
+    add(
+        "FrameReport",
+        FrameReport,
+        **_fields(FrameReport, tp.frame_report(PLACES, DEMONSTRATIONS, draws=20)),
+    )
+    add(
+        "Selection",
+        Selection,
+        **_fields(Selection, tp.select_model(PATHS[0], [1, 2], fit=tp.fit_gmm)),
+    )
 
 
 STEPS = PLACES.adapt([tp.Frame(np.tile(np.eye(2), (3, 1, 1)), np.zeros(2)), FRAMES[1]])
@@ -190,15 +325,27 @@ def _fields(kind: type, value: object) -> dict[str, object]:
     """Fields of a value as arguments of its class."""
     import dataclasses
 
-    return {field.name: getattr(value, field.name) for field in dataclasses.fields(kind) if field.init}
+    return {
+        field.name: getattr(value, field.name) for field in dataclasses.fields(kind) if field.init
+    }
 
 
 def _hidden(book: Book) -> None:
     add = book.add
     few = {"tolerance": 1e-3, "max_iterations": 5}
     for name, fit in (("fit_hmm", tp.fit_hmm), ("fit_hsmm", tp.fit_hsmm)):
-        add(name, fit, sequences=PATHS, components=2, topology="left-right", covariance="full",
-            start="time", ridge=1e-4, rng=0, **few)
+        add(
+            name,
+            fit,
+            sequences=PATHS,
+            components=2,
+            topology="left-right",
+            covariance="full",
+            start="time",
+            ridge=1e-4,
+            rng=0,
+            **few,
+        )
         add(name, fit, sequences=DEMONSTRATIONS, components=2, topology="any")
     add("HMM", tp.HMM, chain=CHAIN, emissions=HMM.emissions, history=np.array([1.0]))
     add("HSMM", tp.HSMM, chain=SEMI, emissions=HMM.emissions, history=np.array([1.0]))
@@ -215,12 +362,29 @@ def _hidden(book: Book) -> None:
         add("HiddenStates.state_sequence", model.state_sequence, steps=5)
         add(f"{owner}.probabilities", chain.probabilities, steps=5)
         add(f"{owner}.sample", chain.sample, steps=5, rng=0)
-    add("MarkovChain", tp.MarkovChain, initial=np.array([1.0, 0.0]), transitions=np.full((2, 2), 0.5))
+    add(
+        "MarkovChain",
+        tp.MarkovChain,
+        initial=np.array([1.0, 0.0]),
+        transitions=np.full((2, 2), 0.5),
+    )
     add("MarkovChain.of", tp.MarkovChain.of, components=3, topology="left-right", stay=4.0)
-    add("SemiMarkovChain", tp.SemiMarkovChain, initial=np.array([1.0, 0.0]),
+    add(
+        "SemiMarkovChain",
+        tp.SemiMarkovChain,
+        initial=np.array([1.0, 0.0]),
         transitions=np.array([[0.0, 1.0], [1.0, 0.0]]),
-        durations=tp.Gaussian([[4.0], [5.0]], np.ones((2, 1, 1))), least_variance=1.0)
-    add("SemiMarkovChain.of", tp.SemiMarkovChain.of, components=3, topology="any", stay=4.0, spread=1.0)
+        durations=tp.Gaussian([[4.0], [5.0]], np.ones((2, 1, 1))),
+        least_variance=1.0,
+    )
+    add(
+        "SemiMarkovChain.of",
+        tp.SemiMarkovChain.of,
+        components=3,
+        topology="any",
+        stay=4.0,
+        spread=1.0,
+    )
     add("SemiMarkovChain.log_durations", SEMI.log_durations, longest=9, infinite=True)
 
 
@@ -233,36 +397,115 @@ def _retrieval(book: Book) -> None:
         add(f"Regression.{method}", getattr(REGRESSION, method), inputs=TIME)
     add("Regression.at", REGRESSION.at, point=0.3)
     add("Regression", tp.Regression, **_fields(tp.Regression, REGRESSION))
-    add("tp_gmr", tp.tp_gmr, tpgmm=TPGMM, frames=TIMED_FRAMES, inputs=TIME, given=(0,),
-        order="regression", ridge=1e-6)
+    add(
+        "tp_gmr",
+        tp.tp_gmr,
+        tpgmm=TPGMM,
+        frames=TIMED_FRAMES,
+        inputs=TIME,
+        given=(0,),
+        order="regression",
+        ridge=1e-6,
+    )
     add("tp_gmr", tp.tp_gmr, tpgmm=TPGMM, frames=TIMED_FRAMES, inputs=TIME, order="product")
     add("tp_gmr", tp.tp_gmr, tpgmm=TPGMM, frames=TIMED_FRAMES, inputs=TIME, order="held")
     add("fuse_frames", tp.fuse_frames, views=[SEVERAL, SEVERAL], frames=FRAMES)
-    add("fit_tp_gmr", tp.fit_tp_gmr, demonstrations=DEMONSTRATIONS, components=(1, 2),
-        covariance="shrunk", order="regression")
+    add(
+        "fit_tp_gmr",
+        tp.fit_tp_gmr,
+        demonstrations=DEMONSTRATIONS,
+        components=(1, 2),
+        covariance="shrunk",
+        order="regression",
+    )
     add("TPGMR", tp.TPGMR, model=TPGMM, times=TIME, order="regression", errors={1: 0.5})
     add("TPGMR.__call__", TPGMR.__call__, frames=FRAMES)
-    add("fit_tp_trajectory", tp.fit_tp_trajectory, demonstrations=DEMONSTRATIONS, components=2, shrunk=True)
-    add("TPTrajectory", tp.TPTrajectory, model=TPTRAJECTORY.model, times=TIME, scale=1.0, errors={1: 0.5})
+    add(
+        "fit_tp_trajectory",
+        tp.fit_tp_trajectory,
+        demonstrations=DEMONSTRATIONS,
+        components=2,
+        shrunk=True,
+    )
+    add(
+        "TPTrajectory",
+        tp.TPTrajectory,
+        model=TPTRAJECTORY.model,
+        times=TIME,
+        scale=1.0,
+        errors={1: 0.5},
+    )
     add("TPTrajectory.__call__", TPTRAJECTORY.__call__, frames=FRAMES)
     add("fit_movement", tp.fit_movement, demonstrations=DEMONSTRATIONS)
     covariances = np.tile(np.eye(6), (4, 1, 1))
-    add("trajectory", tp.trajectory, means=np.ones((4, 6)), covariances=covariances, dt=0.1,
-        derivatives=2, differences="forward", border="free", scale=1.0)
-    add("trajectory_of_states", tp.trajectory_of_states, model=STATES, states=np.array([0, 0, 1, 1]), dt=0.1)
-    add("derivative_operator", tp.derivative_operator, steps=5, dt=0.1, derivatives=2, dim=2,
-        differences="forward")
-    add("fit_trajectory_distribution", tp.fit_trajectory_distribution,
-        trajectories=np.stack(PATHS), modes=2, noise=0.1)
-    add("fit_trajectory_distribution", tp.fit_trajectory_distribution, trajectories=DEMONSTRATIONS, modes=2)
-    add("TrajectoryDistribution", tp.TrajectoryDistribution, **_fields(tp.TrajectoryDistribution, DISTRIBUTION))
+    add(
+        "trajectory",
+        tp.trajectory,
+        means=np.ones((4, 6)),
+        covariances=covariances,
+        dt=0.1,
+        derivatives=2,
+        differences="forward",
+        border="free",
+        scale=1.0,
+    )
+    add(
+        "trajectory_of_states",
+        tp.trajectory_of_states,
+        model=STATES,
+        states=np.array([0, 0, 1, 1]),
+        dt=0.1,
+    )
+    add(
+        "derivative_operator",
+        tp.derivative_operator,
+        steps=5,
+        dt=0.1,
+        derivatives=2,
+        dim=2,
+        differences="forward",
+    )
+    add(
+        "fit_trajectory_distribution",
+        tp.fit_trajectory_distribution,
+        trajectories=np.stack(PATHS),
+        modes=2,
+        noise=0.1,
+    )
+    add(
+        "fit_trajectory_distribution",
+        tp.fit_trajectory_distribution,
+        trajectories=DEMONSTRATIONS,
+        modes=2,
+    )
+    add(
+        "TrajectoryDistribution",
+        tp.TrajectoryDistribution,
+        **_fields(tp.TrajectoryDistribution, DISTRIBUTION),
+    )
     add("TrajectoryDistribution.of", tp.TrajectoryDistribution.of, gaussian=SEVERAL)
     add("TrajectoryDistribution.sample", DISTRIBUTION.sample, rng=0, size=2, noisy=True)
-    add("TrajectoryDistribution.through", DISTRIBUTION.through, step=3, point=np.ones(2), covariance=0.1)
-    add("TrajectoryDistribution.through", DISTRIBUTION.through, step=3, point=np.ones(2),
-        covariance=np.eye(2))
-    add("fit_tp_trajectory_distribution", tp.fit_tp_trajectory_distribution,
-        demonstrations=DEMONSTRATIONS, modes=2, noise=0.1)
+    add(
+        "TrajectoryDistribution.through",
+        DISTRIBUTION.through,
+        step=3,
+        point=np.ones(2),
+        covariance=0.1,
+    )
+    add(
+        "TrajectoryDistribution.through",
+        DISTRIBUTION.through,
+        step=3,
+        point=np.ones(2),
+        covariance=np.eye(2),
+    )
+    add(
+        "fit_tp_trajectory_distribution",
+        tp.fit_tp_trajectory_distribution,
+        demonstrations=DEMONSTRATIONS,
+        modes=2,
+        noise=0.1,
+    )
     add("TPTrajectoryDistribution", tp.TPTrajectoryDistribution, frames=list(TPDISTRIBUTION.frames))
     add("TPTrajectoryDistribution.adapt", TPDISTRIBUTION.adapt, frames=FRAMES)
     options = {"width": 0.2, "ridge": 1e-6, "weight_ridge": 1e-6, "noise": 1e-3}
@@ -281,10 +524,23 @@ def _retrieval(book: Book) -> None:
     add("Motion.of", tp.Motion.of, position=PATHS[0], dt=TIME, takes={"dt": DATES})
     add("attractor_path", tp.attractor_path, motion=MOTION, stiffness=20.0, damping=9.0)
     add("decay", tp.decay, steps=5, dt=0.1, rate=1.0)
-    add("forcing_term", tp.forcing_term, motion=MOTION, goal=np.ones(2), s=np.linspace(1, 0.1, T),
-        stiffness=20.0, damping=9.0)
-    add("forced_attractor", tp.forced_attractor, goal=np.ones(2), forcing=PATHS[0],
-        s=np.linspace(1, 0.1, T), stiffness=20.0)
+    add(
+        "forcing_term",
+        tp.forcing_term,
+        motion=MOTION,
+        goal=np.ones(2),
+        s=np.linspace(1, 0.1, T),
+        stiffness=20.0,
+        damping=9.0,
+    )
+    add(
+        "forced_attractor",
+        tp.forced_attractor,
+        goal=np.ones(2),
+        forcing=PATHS[0],
+        s=np.linspace(1, 0.1, T),
+        stiffness=20.0,
+    )
 
 
 def _processes(book: Book) -> None:
@@ -296,20 +552,48 @@ def _processes(book: Book) -> None:
         add(f"GaussianProcess.{method}", getattr(PROCESS, method), queries=TIME[:4])
     add("GaussianProcess.spread", PROCESS.spread, queries=TIME[:4], ridge=0.01)
     add("SquaredExponential", tp.SquaredExponential, variance=1.0, length=0.3, noise=0.1)
-    add("SquaredExponential", tp.SquaredExponential, variance=np.ones(2), length=np.ones(2), noise=np.ones(2))
+    add(
+        "SquaredExponential",
+        tp.SquaredExponential,
+        variance=np.ones(2),
+        length=np.ones(2),
+        noise=np.ones(2),
+    )
     add("SquaredExponential.__call__", KERNEL.__call__, a=TIME[:3, None], b=TIME[:4, None])
     add("SquaredExponential.matrices", KERNEL.matrices, a=TIME[:3, None], b=TIME[:4, None])
-    add("fit_gp_gmm", tp.fit_gp_gmm, tasks=TASKS, gmms=MIXTURES, kernel=KERNEL, encoding="logarithm",
-        floor=1e-3)
+    add(
+        "fit_gp_gmm",
+        tp.fit_gp_gmm,
+        tasks=TASKS,
+        gmms=MIXTURES,
+        kernel=KERNEL,
+        encoding="logarithm",
+        floor=1e-3,
+    )
     add("fit_gp_gmm", tp.fit_gp_gmm, tasks=TASKS, gmms=MIXTURES, encoding="entries")
     process = tp.fit_gp_gmm(TASKS, MIXTURES, KERNEL)
     add("MixtureProcess", MixtureProcess, **_fields(MixtureProcess, process))
     add("MixtureProcess.__call__", process.__call__, task=np.array([0.3]))
-    add("KMP", tp.KMP, inputs=TIME, reference=tp.Gaussian(PATHS[0], 0.1 * np.eye(2)), length=0.2,
-        regularisation=1.0)
+    add(
+        "KMP",
+        tp.KMP,
+        inputs=TIME,
+        reference=tp.Gaussian(PATHS[0], 0.1 * np.eye(2)),
+        length=0.2,
+        regularisation=1.0,
+    )
     add("KMP.__call__", KMP.__call__, queries=TIME[:3])
     add("KMP.through", KMP.through, input=0.5, point=np.ones(2), covariance=0.01 * np.eye(2))
-    add("lwr", tp.lwr, inputs=TIME, outputs=PATHS[0], queries=TIME[:3], width=0.2, degree=1, ridge=1e-4)
+    add(
+        "lwr",
+        tp.lwr,
+        inputs=TIME,
+        outputs=PATHS[0],
+        queries=TIME[:3],
+        width=0.2,
+        degree=1,
+        ridge=1e-4,
+    )
 
 
 def _control(book: Book) -> None:
@@ -319,14 +603,36 @@ def _control(book: Book) -> None:
     add("LinearSystem.step", SYSTEM.step, state=np.ones(4), control=np.ones(2))
     add("lqt", tp.lqt, means=MEANS, precisions=PRECISIONS, system=SYSTEM, effort=0.1)
     add("lqt", tp.lqt, means=MEANS, precisions=PRECISIONS, system=SYSTEM, effort=0.1 * np.eye(2))
-    add("lqt_batch", tp.lqt_batch, means=MEANS, precisions=PRECISIONS, system=SYSTEM, effort=0.1,
-        initial=np.ones(4))
+    add(
+        "lqt_batch",
+        tp.lqt_batch,
+        means=MEANS,
+        precisions=PRECISIONS,
+        system=SYSTEM,
+        effort=0.1,
+        initial=np.ones(4),
+    )
     add("lqr", tp.lqr, system=SYSTEM, Q=np.eye(4), R=np.eye(2), discrete=True)
-    add("lqr", tp.lqr, system=(np.array([[1.0, 0.1], [0.0, 1.0]]), np.array([[0.0], [0.1]])), Q=np.eye(2), R=1.0, discrete=True)
-    add("receding_horizon", tp.receding_horizon,
-        reference=lambda t, state: (MEANS, PRECISIONS), system=SYSTEM, effort=0.1,
-        initial=np.ones(4), steps=3)
-    add("Feedback", tp.Feedback, gain=np.ones((4, 2, 4)), feedforward=np.ones((4, 2)), system=SYSTEM)
+    add(
+        "lqr",
+        tp.lqr,
+        system=(np.array([[1.0, 0.1], [0.0, 1.0]]), np.array([[0.0], [0.1]])),
+        Q=np.eye(2),
+        R=1.0,
+        discrete=True,
+    )
+    add(
+        "receding_horizon",
+        tp.receding_horizon,
+        reference=lambda t, state: (MEANS, PRECISIONS),
+        system=SYSTEM,
+        effort=0.1,
+        initial=np.ones(4),
+        steps=3,
+    )
+    add(
+        "Feedback", tp.Feedback, gain=np.ones((4, 2, 4)), feedforward=np.ones((4, 2)), system=SYSTEM
+    )
     add("Feedback.control", FEEDBACK.control, t=2, state=np.ones(4))
     add("Feedback.rollout", FEEDBACK.rollout, initial=np.ones(4))
     add("Plan", tp.Plan, states=np.ones((4, 2)), controls=np.ones((3, 1)))
@@ -354,19 +660,58 @@ def _geometry(book: Book) -> None:
     add("rotation.tilt", rotation.tilt, R=ROTATIONS, axis=np.array([0.0, 0.0, 1.0]))
     add("rotation.from_quaternion", rotation.from_quaternion, quaternion=QUATERNIONS)
     add("rotation.continuous", rotation.continuous, quaternions=QUATERNIONS)
-    add("rotation.warn_of_turns", rotation.warn_of_turns, name="q", quaternions=QUATERNIONS, free=("name",))
-    add("rotation.quaternions", rotation.quaternions, name="q", orientations=QUATERNIONS,
-        convention="xyzw", degrees=False, free=("name",))
+    add(
+        "rotation.warn_of_turns",
+        rotation.warn_of_turns,
+        name="q",
+        quaternions=QUATERNIONS,
+        free=("name",),
+    )
+    add(
+        "rotation.quaternions",
+        rotation.quaternions,
+        name="q",
+        orientations=QUATERNIONS,
+        convention="xyzw",
+        degrees=False,
+        free=("name",),
+    )
     J, x = np.array([[1.0, 0.5, 0.2], [0.0, 1.0, 0.7]]), np.array([0.3, 0.4])
     options = {"gain": 1.0, "damping": 0.01}
     add("projection.joint", projection.joint, n=3)
     add("projection.pseudoinverse", projection.pseudoinverse, J=J, damping=0.01)
     add("projection.nullspace", projection.nullspace, J=J, damping=0.01)
     add("projection.absolute", projection.absolute, J=J, q=Q, x=x, **options)
-    add("projection.relative", projection.relative, J=J, q=Q, x=x, A_object=np.eye(2),
-        b_object=np.ones(2), clip=0.1, **options)
+    add(
+        "projection.relative",
+        projection.relative,
+        J=J,
+        q=Q,
+        x=x,
+        A_object=np.eye(2),
+        b_object=np.ones(2),
+        clip=0.1,
+        **options,
+    )
     add("projection.nullspace_joint", projection.nullspace_joint, J=J, q=Q, **options)
-    add("projection.nullspace_absolute", projection.nullspace_absolute, J=J, q=Q,
-        J_other=J[:1], x_other=x[:1], **options)
-    add("projection.nullspace_relative", projection.nullspace_relative, J=J, q=Q, J_other=J[:1],
-        x_other=x[:1], A_object=np.eye(1), b_object=np.ones(1), clip=0.1, **options)
+    add(
+        "projection.nullspace_absolute",
+        projection.nullspace_absolute,
+        J=J,
+        q=Q,
+        J_other=J[:1],
+        x_other=x[:1],
+        **options,
+    )
+    add(
+        "projection.nullspace_relative",
+        projection.nullspace_relative,
+        J=J,
+        q=Q,
+        J_other=J[:1],
+        x_other=x[:1],
+        A_object=np.eye(1),
+        b_object=np.ones(1),
+        clip=0.1,
+        **options,
+    )

@@ -1,12 +1,13 @@
-"""The border of the laboratory: what annotations promise, checked where something is called or made.
+"""The border by annotations: what they promise, checked where something is called or made.
 
 ``@border`` checks the arguments of a function, ``checked(self)`` the fields of a frozen dataclass,
 both by their annotations and by the checks of :mod:`tpsim.checks`. What is clear is brought to the
-form that is asked for: an int to a float or a generator, one thing to a sequence of one, an array to
-a tuple. All else is an ArgumentError that names the argument. Inner loops do not pass here.
+form that is asked for: an int to a float or a generator, one thing to a sequence of one, an array
+to a tuple. All else is an ArgumentError that names the argument. Inner loops do not pass here.
 """
 
 import inspect
+import sys
 import types
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import (
     Annotated,
     Any,
+    ClassVar,
     Literal,
     ParamSpec,
     TypeVar,
@@ -111,18 +113,54 @@ def checked(value: object) -> None:
     for field in fields(value):  # type: ignore[arg-type]
         if field.name in readers:
             given = getattr(value, field.name)
-            found = readers[field.name](field.name, given)
-            if isinstance(found, np.ndarray):
-                found = checks.frozen_array(field.name, given)
+            found = _kept(readers[field.name](field.name, given))
             if found is not given:
                 object.__setattr__(value, field.name, found)
 
 
+def _kept(value: object) -> object:
+    """The value, with arrays that nobody else can change, and tuples instead of lists."""
+    if isinstance(value, np.ndarray):
+        return value if _is_own(value) else checks.frozen(value.copy())
+    if type(value) in (list, tuple):
+        parts = [_kept(part) for part in cast(Iterable[object], value)]
+        same = type(value) is tuple and all(a is b for a, b in zip(parts, value, strict=True))
+        return value if same else tuple(parts)
+    if type(value) is dict:
+        return {key: _kept(part) for key, part in value.items()}
+    return value
+
+
+def _is_own(array: np.ndarray) -> bool:
+    """Whether an array is read-only and so is the memory that it shows, as arrays of values are."""
+    base = array
+    while isinstance(base.base, np.ndarray):
+        base = base.base
+    return base.base is None and not base.flags.writeable and not array.flags.writeable
+
+
 @cache
 def _readers_of(owner: Callable[..., object]) -> dict[str, Reader]:
-    hints = get_type_hints(owner, include_extras=True)
-    hints.pop("return", None)
-    return {name: _reader(hint) for name, hint in hints.items()}
+    kinds = reversed(owner.__mro__) if isinstance(owner, type) else (owner,)
+    found = {}
+    for kind in kinds:
+        known = vars(sys.modules[kind.__module__])
+        for name, hint in inspect.get_annotations(kind).items():
+            if name != "return":
+                found[name] = _reader(_resolved(hint, known))
+    return found
+
+
+def _resolved(hint: object, known: dict[str, Any]) -> object:
+    """The hint itself, of a name; as it stands where it holds names that only type checkers know."""
+
+    def holder() -> None: ...
+
+    holder.__annotations__ = {"value": hint}
+    try:
+        return get_type_hints(holder, known, include_extras=True)["value"]
+    except NameError:
+        return object if isinstance(hint, str) else hint
 
 
 def read(name: str, value: object, hint: object) -> Any:
@@ -133,6 +171,8 @@ def read(name: str, value: object, hint: object) -> Any:
 def _reader(hint: object) -> Reader:
     """How values of a hint are read."""
     origin, args = get_origin(hint), get_args(hint)
+    if origin is ClassVar:
+        return _anything
     if origin is Annotated:
         ranges = [extra for extra in args[1:] if isinstance(extra, Range)]
         if ranges:
@@ -172,7 +212,7 @@ def _plain(hint: object) -> Reader:
     if hint in known:
         return known[hint]
     if not isinstance(hint, type) or hint is object:
-        return lambda name, value: value
+        return _anything
     if getattr(hint, "_is_protocol", False):
         return partial(_protocol, kind=hint)
     return partial(_instance, kind=hint)
@@ -183,7 +223,7 @@ _ARRAY = frozenset(get_args(ArrayLike))
 
 def _union(args: tuple[object, ...]) -> Reader:
     """Reader of one of several."""
-    arms = [arg for arg in args if arg not in _ARRAY or not _ARRAY <= set(args)]
+    arms = [arg for arg in args if arg not in _ARRAY or not set(args) >= _ARRAY]
     readers = [_reader(arm) for arm in arms if arm is not type(None)]
     if set(args) >= _ARRAY:
         readers.append(checks.finite_array)
@@ -214,7 +254,7 @@ def _either(name: str, value: object, readers: list[Reader], none: bool) -> obje
 
 
 def _sequence(name: str, value: object, item: Reader, alone: object, form: type) -> object:
-    if isinstance(alone, type) and isinstance(value, alone):
+    if isinstance(alone, type) and _fits(value, alone):
         value = [value]
     return form(
         item(f"{name}[{i}]", one) for i, one in enumerate(checks.entries(name, value, tables=False))
@@ -234,6 +274,10 @@ def _mapping(name: str, value: object, key: Reader, item: Reader) -> Mapping[obj
     if not isinstance(value, Mapping):
         raise ArgumentError(f"{name} is {checks.shown(value)}; give a mapping, such as a dict")
     return {key(f"a key of {name}", k): item(f"{name}[{k!r}]", one) for k, one in value.items()}
+
+
+def _anything(name: str, value: object) -> object:
+    return value
 
 
 def _text(name: str, value: object) -> str:
@@ -276,12 +320,25 @@ def _instance(name: str, value: object, kind: type) -> object:
 
 
 def _protocol(name: str, value: object, kind: type) -> object:
-    """Something that has the methods of a protocol."""
-    for method in [
-        key for key, member in vars(kind).items() if inspect.isfunction(member) and key[0] != "_"
-    ]:
-        if isinstance(value, type) or not callable(getattr(value, method, None)):
-            raise ArgumentError(
-                f"{name} is {checks.shown(value)}; give something with a method {method}()"
-            )
+    if not _fits(value, kind):
+        methods = " and ".join(f"{method}()" for method in _methods(kind))
+        raise ArgumentError(f"{name} is {checks.shown(value)}; give something with {methods}")
     return value
+
+
+def _fits(value: object, kind: type) -> bool:
+    """Whether a value is of a class, or has the methods of a protocol."""
+    if not getattr(kind, "_is_protocol", False):
+        return isinstance(value, kind)
+    try:
+        has = [callable(getattr(value, method, None)) for method in _methods(kind)]
+    except Exception:  # whatever a foreign object raises
+        return False
+    return not isinstance(value, type) and all(has)
+
+
+def _methods(kind: type) -> list[str]:
+    """Names of the methods that a protocol asks for."""
+    return [
+        key for key, member in vars(kind).items() if inspect.isfunction(member) and key[0] != "_"
+    ]

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.linalg.lapack import dposv
 
 from tpsim import rotation
+from tpsim.border import Count, Positive, border
 from tpsim.control.impedance import impedance
 from tpsim.control.poses import SeenMovement, fuse_poses, track_poses
 from tpsim.control.system import integrator
@@ -74,6 +75,7 @@ class FiniteHorizon(RenewedImpedance):
         Time steps for which stiffness, damping and the velocity of the reference last.
     """
 
+    @border
     def __init__(
         self,
         robot: Robot,
@@ -83,9 +85,9 @@ class FiniteHorizon(RenewedImpedance):
         *,
         joints: Sequence[str],
         site: str,
-        dt: float,
-        effort: float,
-        every: int = PERIOD,
+        dt: Positive,
+        effort: Positive,
+        every: Count = PERIOD,
     ):
         super().__init__(every)
         self.objects, self.movements, self.posture = tuple(objects), tuple(movements), posture

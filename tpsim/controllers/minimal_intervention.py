@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
+from tpsim.border import Count, Positive, border
 from tpsim.controllers.product import Information, Product, Skill, posture_skill
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.errors import ArgumentError, SimulationError
@@ -33,16 +34,17 @@ class MinimalIntervention(RenewedImpedance):
         0.1 %.
     """
 
+    @border
     def __init__(
         self,
         skills: Sequence[Skill],
         *,
-        effort: float = 0.2,
+        effort: Positive = 0.2,
         prior: Gaussian | None = None,
-        every: int = 16,
+        every: Count = 16,
     ):
         super().__init__(every)
-        self.skills, self.effort, self.prior = tuple(skills), checked_effort(effort), prior
+        self.skills, self.effort, self.prior = tuple(skills), effort, prior
         self._product: Product | None = None
 
     def product(self, state: State) -> Information:
@@ -115,10 +117,3 @@ def check_determined(product: Information, state: State) -> None:
         f"no frame determines the motion of joint '{state.robot.joints[weakest]}'; "
         "give a prior Gaussian on the joint posture"
     )
-
-
-def checked_effort(effort: float) -> float:
-    """Return the effort, or raise ArgumentError where it is not positive."""
-    if not effort > 0:
-        raise ArgumentError(f"effort is {effort}; it must be positive")
-    return float(effort)

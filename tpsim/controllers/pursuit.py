@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
+from tpsim.border import Count, Positive, border
 from tpsim.controllers.minimal_intervention import MinimalIntervention, optimum
 from tpsim.controllers.product import Information, Skill
 from tpsim.robot.state import State
@@ -38,7 +39,8 @@ class Pursuit(MinimalIntervention):
         Control steps for which stiffness, damping and velocity last.
     """
 
-    def __init__(self, skills: Sequence[Skill], *, effort: float, every: int = 25):
+    @border
+    def __init__(self, skills: Sequence[Skill], *, effort: Positive, every: Count = 25):
         super().__init__(skills, effort=effort, every=every)
         self._was: np.ndarray | None = None
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.border import Positive, border, read
+from tpsim.checks import instance, path
 from tpsim.deploy import folder as files
 from tpsim.deploy.cartesian import CartesianLimits, HandFilter, HandImpedance
 from tpsim.deploy.sensed import Seen, objects_in, sensed
@@ -55,6 +57,11 @@ class Policy:
 
     def __init__(self, task: "Task", models: "Models", situation: "Situation | None" = None):
         from tpsim.deploy.making import recipe_for
+        from tpsim.task.task import Models, Situation, Task
+
+        instance("task", task, Task)
+        models = read("models", models, Models)
+        read("situation", situation, Situation | None)
 
         world = task.stage
         recipe = recipe_for(task, models, situation)
@@ -62,11 +69,12 @@ class Policy:
         self._world: World | None = world
 
     @classmethod
+    @border
     def load(
         cls,
         folder: str | Path,
         *,
-        period: float | None = None,
+        period: Positive | None = None,
         limits: CartesianLimits | None = None,
         views: Sequence[type[View]] = (),
     ) -> "Policy":
@@ -89,9 +97,7 @@ class Policy:
         ArgumentError
             If the period is not positive.
         """
-        content, robot = files.read(Path(folder), views)
-        if period is not None and not (np.isfinite(period) and period > 0):
-            raise ArgumentError(f"period is {period} s; give a positive number")
+        content, robot = files.read(path("folder", folder), views)
         policy = object.__new__(cls)
         policy._world = None
         policy._begin(content, robot, period, limits)
@@ -107,7 +113,7 @@ class Policy:
         """
         if self._world is None:
             raise RecordingError("this policy was read from a folder; copy the folder instead")
-        return files.write(Path(folder), self._content, self.robot, self._world)
+        return files.write(path("folder", folder), self._content, self.robot, self._world)
 
     def _begin(
         self,

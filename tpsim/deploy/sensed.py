@@ -6,6 +6,8 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.border import read
+from tpsim.checks import number
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.objects import Objects
@@ -57,18 +59,13 @@ def sensed(
     ArgumentError
         Wrong shapes, what is not finite, or an object that is missing; one line.
     """
+    read("objects", objects, Mapping)
     if missing := [name for name in needed if name not in objects]:
         raise ArgumentError(
             f"object '{missing[0]}' is missing; the policy needs the poses of {', '.join(needed)}"
         )
     known = objects if isinstance(objects, Objects) else _objects(objects)
-    state = robot.at(q, dq, known, float(time))
-    if not np.isfinite(state.x).all():
-        joint = robot.joints[int(np.flatnonzero(~np.isfinite(state.x))[0]) % robot.n]
-        raise ArgumentError(f"the state of joint '{joint}' is not finite; stop the robot")
-    if not (np.isfinite(time) and time >= 0):
-        raise ArgumentError(f"time is {time} s; give the time since the start")
-    return state
+    return robot.at(q, dq, known, number("time", time, least=0))
 
 
 def _objects(given: Mapping[str, Seen]) -> Objects:

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import mujoco
 import numpy as np
 
+from tpsim.checks import finite_array
 from tpsim.errors import ArgumentError
 
 Home = Mapping[str, float] | Sequence[float] | np.ndarray | None
@@ -100,12 +101,7 @@ def _given(model: mujoco.MjModel, joints: Sequence[str], home: Home) -> dict[str
     if home is None:
         return {}
     named = home if isinstance(home, Mapping) else None
-    try:
-        values = np.array(list(home.values()) if isinstance(home, Mapping) else home, float)
-    except (TypeError, ValueError):
-        values = np.array(np.nan)
-    if not np.isfinite(values).all():
-        raise ArgumentError(f"home is {home!r}, but must be finite joint positions, rad or m")
+    values = finite_array("home", list(home.values()) if isinstance(home, Mapping) else home)
     if named is None and values.shape != (len(joints),):
         raise ArgumentError(
             f"home has shape {values.shape}, but there are {len(joints)} arm joints: "

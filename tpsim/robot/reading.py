@@ -6,6 +6,7 @@ from pathlib import Path
 
 import mujoco
 
+from tpsim import checks
 from tpsim.errors import ArgumentError
 
 
@@ -40,7 +41,7 @@ def read(source: str | Path | mujoco.MjSpec) -> Draft:
         return Draft(source.copy())
     if isinstance(source, str) and source.lstrip().startswith("<"):
         return Draft(parsed(lambda: mujoco.MjSpec.from_string(source), "the MJCF text"))
-    path = Path(source)
+    path = checks.path("source", source)
     if path.suffix.lower() == ".urdf":
         raise ArgumentError(f"{path} is a URDF: read it by from_urdf")
     if not path.is_file():

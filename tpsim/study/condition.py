@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tpsim.errors import ArgumentError
+from tpsim.border import Duration, Moment, NotNegative, Point, checked
 from tpsim.task.task import Situation
 from tpsim.world.episode import BoundPerson
 from tpsim.world.people.guide import Grip, Guide
@@ -34,13 +34,16 @@ class Lead:
     """
 
     site: str
-    origin: tuple[float, float, float]
-    travel: tuple[float, float, float]
-    start: float = 1.5
-    duration: float = 3.0
-    rest: float = 0.5
-    stiffness: float = 2000.0
-    max_force: float = 60.0
+    origin: Point
+    travel: Point
+    start: Moment = 1.5
+    duration: Duration = 3.0
+    rest: Moment = 0.5
+    stiffness: NotNegative = 2000.0
+    max_force: NotNegative = 60.0
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     def bind(self, simulation: Simulation) -> BoundPerson:
         """Look up the names in one simulation."""
@@ -80,12 +83,11 @@ class Condition:
     push: tuple[Push, ...] = ()
     lead: tuple[Lead, ...] = ()
     plant: Plant = NOMINAL
-    duration: float | None = None
+    duration: Duration | None = None
     shown: str | None = None
 
     def __post_init__(self) -> None:
-        if self.duration is not None and not 0 < self.duration < np.inf:
-            raise ArgumentError(f"duration is {self.duration} s; give a positive number")
+        checked(self)
 
     @property
     def people(self) -> tuple[Push | Lead, ...]:

@@ -4,7 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from tpsim.border import border, checked
 from tpsim.errors import ArgumentError
 from tpsim.robot.views.view import View
 from tpsim.study.record import Record, Records
@@ -16,8 +18,11 @@ Figure = float | int | None
 """What came out of all trials; None where it could not be measured."""
 
 
-def rms(values: np.ndarray) -> float:
+@border
+def rms(values: ArrayLike) -> float:
     """Root of the mean square, in the unit of ``values``."""
+    if not np.size(values):
+        raise ArgumentError("values is empty; give at least one number")
     return float(np.sqrt(np.mean(np.square(values))))
 
 
@@ -75,11 +80,13 @@ class Measure:
     title: str = ""
 
     def __post_init__(self) -> None:
+        checked(self)
         if self.window is not None and not self.window[0] < self.window[1]:
             raise ArgumentError(
                 f"measure '{self.name}' has the window {self.window}; give (begin, end) in seconds"
             )
 
+    @border
     def series(self, record: Record) -> Series | None:
         """What is measured of one trial, in ``unit``."""
         if self.of is None:
@@ -89,6 +96,7 @@ class Measure:
         value = np.linalg.norm(record.see(self.of), axis=-1)
         return value * self.of.scale(record.task.stage.robot, self.unit)
 
+    @border
     def figure(self, records: Records) -> Figure:
         """The figure over all trials; None where there are none."""
         if self.whole is not None:
@@ -99,6 +107,7 @@ class Measure:
         numbers = [n for record in chosen if (n := self.number(record)) is not None]
         return float(self.across(numbers)) if numbers else None
 
+    @border
     def number(self, record: Record) -> float | None:
         """What one trial comes to, in ``unit``; None where it has nothing to say."""
         series = self.series(record)
@@ -120,6 +129,7 @@ class Measure:
                 )
         return float(self.reduce(series)) if len(series) else None
 
+    @border
     def result(self, value: Figure) -> "Result":
         """The figure with its limit."""
         return Result(

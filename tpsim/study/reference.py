@@ -13,6 +13,7 @@ from types import ModuleType
 
 import cloudpickle
 
+from tpsim.border import border
 from tpsim.errors import ArgumentError, TpsimError
 from tpsim.study.study import Study
 from tpsim.task.task import Task
@@ -21,6 +22,7 @@ NAME = "study"
 """Looked for where a reference names a file or module alone."""
 
 
+@border
 def load_study(reference: str, names: Mapping[str, str] | None = None) -> Study:
     """The study that a reference names.
 

@@ -6,6 +6,7 @@ from typing import Unpack
 import numpy as np
 from dm_env import specs
 
+from tpsim.border import Number, border
 from tpsim.task.performance import Options, OwnController, Performance
 from tpsim.task.task import Task
 
@@ -89,6 +90,7 @@ class Environment(control.Environment):
     movement : Movement
     """
 
+    @border
     def __init__(self, movement: Movement):
         performance = movement.performance
         super().__init__(
@@ -105,7 +107,8 @@ class Environment(control.Environment):
         return specs.BoundedArray((), float, 0.0, 1.0, name="reward")
 
 
-def environment(task: Task, *, seed: int = 0, **options: Unpack[Options]) -> Environment:
+@border
+def environment(task: Task, *, seed: Number = 0, **options: Unpack[Options]) -> Environment:
     """Make a task an environment of dm_env (``dm_control.rl.control.Environment``).
 
     Episode i is situation i of the seed. The agent sees joints, sites, objects and the task's

@@ -5,12 +5,14 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 
+from tpsim.border import Number, Positive, Range, border, checked
+from tpsim.checks import instance
 from tpsim.demonstration import Demonstration
-from tpsim.errors import ArgumentError, SimulationError
+from tpsim.errors import SimulationError
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.robot.views.view import View, observe
 from tpsim.world.impedance import Controller
@@ -48,11 +50,11 @@ class Situation:
 
     start: tuple[float, ...]
     objects: tuple[ObjectPath, ...] = ()
-    seed: int = 0
-    index: int = 0
+    seed: Number = 0
+    index: Number = 0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "start", tuple(np.asarray(self.start, float).tolist()))
+        checked(self)
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,9 @@ class Behaviour:
     teacher: Teacher
     fit: Fit = field(default=partial(fit_tp_gmm, components=1))
 
+    def __post_init__(self) -> None:
+        checked(self)
+
 
 @dataclass(frozen=True)
 class Goal:
@@ -90,13 +95,12 @@ class Goal:
     """
 
     view: View
-    within: float
+    within: Positive
     since: float = 0.0
-    until: float = np.inf
+    until: Annotated[float, Range(endless=True)] = np.inf
 
     def __post_init__(self) -> None:
-        if not self.within > 0:
-            raise ArgumentError(f"goal within is {self.within}; it must be positive")
+        checked(self)
 
 
 class Task(ABC):
@@ -154,6 +158,7 @@ class Task(ABC):
         """The task's world, made once."""
         return self.world()
 
+    @border
     def in_world(self, world: World) -> Self:
         """The same task in another world, such as that of a recording."""
         task = replace(self)  # type: ignore[type-var]  # subclasses are dataclasses
@@ -166,8 +171,9 @@ class Task(ABC):
         return {name: value for name, value in self.__dict__.items() if name != "stage"}
 
 
+@border
 def draw_situation(
-    task: Task, seed: int, index: int, draw: Callable[..., Situation] | None = None
+    task: Task, seed: Number, index: Number, draw: Callable[..., Situation] | None = None
 ) -> Situation:
     """Situation ``index`` of a seed: drawn until the robot can be put in it freely.
 
@@ -189,7 +195,7 @@ def draw_situation(
     simulation = world.simulation()
     for _ in range(DRAWS):
         try:
-            found = draw(world, rng)
+            found = instance("draw(world, rng)", draw(world, rng), Situation)
             start = np.array(found.start)
             simulation.reset(start)
         except SimulationError as error:

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
+from tpsim.border import Count, Duration, Number, border
+from tpsim.checks import choice
 from tpsim.errors import ArgumentError
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.task.check import check
@@ -17,10 +19,11 @@ Taught = Mapping[str, Sequence[Trial]]
 """Demonstrations of every behaviour, by name."""
 
 
+@border
 def teach(
     task: Task,
-    count: int | None = None,
-    seed: int = 0,
+    count: Count | None = None,
+    seed: Number = 0,
     behaviours: Sequence[str] | None = None,
     progress: Callable[[str, int, str], None] | None = None,
 ) -> dict[str, list[Trial]]:
@@ -45,7 +48,10 @@ def teach(
     check(task)
     found = task.behaviours()
     taught = {}
-    for name in found if behaviours is None else behaviours:
+    wanted = list(found) if behaviours is None else behaviours
+    for name in wanted:
+        choice("behaviours", name, found)
+    for name in wanted:
         tell = None if progress is None else _telling(progress, name)
         shown = teach_lessons(
             task.stage,
@@ -63,6 +69,7 @@ def _telling(progress: Callable[[str, int, str], None], name: str) -> Callable[[
     return lambda attempt, outcome: progress(name, attempt, outcome)
 
 
+@border
 def learn(task: Task, taught: Taught) -> dict[str, TPGMM]:
     """Learn every behaviour of a task from its demonstrations (Appendix A).
 
@@ -80,6 +87,7 @@ def learn(task: Task, taught: Taught) -> dict[str, TPGMM]:
     return models
 
 
+@border
 def perform(
     task: Task,
     models: Models,
@@ -87,7 +95,7 @@ def perform(
     *,
     controller: Controller | None = None,
     people: Sequence[Person] = (),
-    duration: float | None = None,
+    duration: Duration | None = None,
     plant: Plant = NOMINAL,
 ) -> Trial:
     """Perform a task once.

@@ -3,7 +3,8 @@
 import mujoco
 import numpy as np
 
-from tpsim.errors import SimulationError
+from tpsim.checks import shown
+from tpsim.errors import ArgumentError, SimulationError
 from tpsim.robot.indices import as_slice
 from tpsim.robot.robot import Robot
 
@@ -53,12 +54,8 @@ class Simulation:
         SimulationError
             A posture of another shape, not finite, or outside the joint limits.
         """
-        q = np.asarray(q, float)
         robot = self.robot
-        if q.shape != (robot.n,) or not np.isfinite(q).all():
-            raise SimulationError(
-                f"a start posture of shape {q.shape} was given; give {robot.n} finite joint angles"
-            )
+        q = robot.posture("q", q)
         outside = (q < robot.lower) | (q > robot.upper)
         if outside.any():
             names = [robot.joints[i] for i in np.flatnonzero(outside)]
@@ -91,6 +88,8 @@ class Simulation:
 
     def attachment(self, name: str) -> tuple[int, np.ndarray, np.ndarray]:
         """Body index of a body or site called ``name``, and its pose (R, p) in that body."""
+        if not isinstance(name, str):
+            raise ArgumentError(f"name is {shown(name)}; give that of a body or a site")
         index = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name)
         if index >= 0:
             return index, np.eye(3), np.zeros(3)
@@ -99,7 +98,7 @@ class Simulation:
             bodies = [self.model.body(b).name for b in range(1, self.model.nbody)]
             sites = [self.model.site(s).name for s in range(self.model.nsite)]
             raise SimulationError(
-                f"no body or site '{name}' in the scene; it has bodies {bodies} and sites {sites}"
+                f"no body or site of the name {shown(name)} in the scene; it has bodies {bodies} and sites {sites}"
             )
         R = np.empty(9)
         mujoco.mju_quat2Mat(R, self.model.site_quat[site])

@@ -60,6 +60,7 @@ def book() -> Book:
 
 def _robot(book: Book) -> None:
     add = book.add
+    add("lab.Pose.checked", POSE.checked, name="pose", free=("name",))
     add("lab.Pose.__matmul__", POSE.__matmul__, other=POSE)
     add(
         "lab.Pose.at",
@@ -96,6 +97,7 @@ def _robot(book: Book) -> None:
         **limits,
     )
     add("lab.Robot.at", ROBOT.at, q=START, dq=0.1 * START, objects=OBJECTS, time=0.1)
+    add("lab.Robot.posture", ROBOT.posture, name="q", q=START, free=("name",))
     add("lab.Robot.chain", ROBOT.chain, site="tip")
     add("lab.Robot.index", ROBOT.index, joints="sh.*")
     add("lab.Robot.index", ROBOT.index, joints=("elbow",))
@@ -135,8 +137,8 @@ def _views(book: Book) -> None:
     add("lab.Site", lab.Site, name="tip")
     add("lab.Site.axis", TIP.axis, axis="z", across="", reference=np.eye(3))
     add("lab.Site.seen_from", TIP.seen_from, base=MARK)
-    add("lab.Sight", Sight, site="tip", base=MARK)
-    add("lab.Direction", Direction, site="tip", axes="z", reference=None)
+    add("lab.Sight", Sight, site=TIP, base=MARK)
+    add("lab.Direction", Direction, site="tip", axes="zxy", reference=None)
     add("lab.Direction.towards", TIP.axis("z").towards, target=MARK)
     add("lab.View.__call__", VIEW.__call__, state=STATE)
     add("lab.View.__getitem__", VIEW.__getitem__, rows=[0, 1])

@@ -15,6 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg.lapack import dposv
 
+from tpsim.border import NotNegative, Positive, border, checked, read
+from tpsim.checks import finite_array, shown
 from tpsim.errors import ArgumentError
 from tpsim.robot.indices import as_slice
 from tpsim.robot.objects import Objects
@@ -23,6 +25,9 @@ from tpsim.robot.state import State
 
 DAMPING = 0.01
 """Singular value of a Jacobian below which its nullspace is no longer told apart [m/rad]."""
+
+MOST = 1000
+"""Dimensions in a part of a view, at most."""
 
 UNITS = {"mm": ("m", 1e3), "deg": ("rad", 180 / np.pi), "cm": ("m", 1e2)}
 """Units that people read, with the SI unit that they are made of and how many go into one."""
@@ -66,7 +71,10 @@ class View(ABC):
 
     def __call__(self, state: State) -> Seen:
         """Value (d,), Jacobian (d, n) and drift (d,) of the view at a state."""
-        known = state.seen.get(id(self))
+        try:
+            known = state.seen.get(id(self))
+        except AttributeError:
+            raise ArgumentError(f"state is {shown(state)}; give robot.at(q)") from None
         if known is None:
             # The view is kept with its answer, so that no other can take its identity.
             known = state.seen[id(self)] = (self, self.see(state))
@@ -95,11 +103,11 @@ class View(ABC):
             if rows.stop is None:
                 raise ArgumentError("say where the part of a view ends, as in view[:2]")
             rows = range(rows.start or 0, rows.stop, rows.step or 1)
-        return Part(self, (rows,) if isinstance(rows, int) else tuple(rows))
+        return Part(self, tuple(read("rows", rows, Sequence[int])))
 
     def minus(self, origin: Sequence[float] | np.ndarray) -> "Offset":
         """The view measured from an origin (d,)."""
-        return Offset(self, tuple(np.asarray(origin, float).tolist()))
+        return Offset(self, tuple(finite_array("origin", origin).reshape(-1).tolist()))
 
     def beneath(
         self, *first: "View", bend: float | None = None, damping: float = DAMPING
@@ -117,6 +125,7 @@ class View(ABC):
         """
         return Beneath(self, first, bend, damping)
 
+    @border
     def scale(self, robot: Robot, unit: str) -> float:
         """Factor from the view's SI unit to a unit that people read, such as ``"mm"``.
 
@@ -145,6 +154,11 @@ class Part(View):
 
     whole: View
     indices: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        checked(self)
+        if not self.indices or len(self.indices) > MOST:
+            raise ArgumentError(f"indices are {shown(self.indices)}; give 1 to {MOST}")
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
@@ -175,6 +189,9 @@ class Offset(View):
 
     whole: View
     origin: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
@@ -220,8 +237,11 @@ class Beneath(View):
 
     second: View
     first: tuple[View, ...]
-    bend: float | None = None
-    damping: float = DAMPING
+    bend: NotNegative | None = None
+    damping: Positive = DAMPING
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
@@ -266,6 +286,7 @@ def through_nullspace(J_second: np.ndarray, J: np.ndarray, damping: float) -> np
     return J_second - felt.T @ J
 
 
+@border
 def observe(
     robot: Robot,
     views: Sequence[View],
@@ -283,6 +304,14 @@ def observe(
     objects : mapping of str to (positions (T, 3), quaternions (T, 4)), optional
         Where objects are meanwhile [m].
     """
+    if q.ndim != 2 or q.shape[1] != robot.n:
+        raise ArgumentError(f"q has shape {q.shape}; give (T, {robot.n})")
+    for name, (positions, quaternions) in (objects or {}).items():
+        if positions.shape != (len(q), 3) or quaternions.shape != (len(q), 4):
+            raise ArgumentError(
+                f"objects[{name!r}] has positions of shape {positions.shape} and quaternions of "
+                f"{quaternions.shape}; give ({len(q)}, 3) and ({len(q)}, 4)"
+            )
     rows = {name: row for row, name in enumerate(objects or {})}
     places = list((objects or {}).values())
     values: list[list[np.ndarray]] = [[] for _ in views]

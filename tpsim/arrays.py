@@ -104,6 +104,8 @@ def _floats(name: str, value: object) -> Floats:
             raise ArgumentError(
                 f"{name} has masked entries, the first {where}; fill or remove them first"
             )
+    if isinstance(value, bytes | bytearray):
+        raise ArgumentError(f"{name} holds bytes, no numbers; decode and convert them first")
     raw = array_of(name, value)
     if raw.dtype.kind in "fiub":
         return raw.astype(np.float64)

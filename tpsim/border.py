@@ -121,22 +121,12 @@ def checked(value: object) -> None:
 def _kept(value: object) -> object:
     """The value, with arrays that nobody else can change, and tuples instead of lists."""
     if isinstance(value, np.ndarray):
-        return value if _is_own(value) else checks.frozen(value.copy())
+        return checks.frozen(value.copy())
     if type(value) in (list, tuple):
-        parts = [_kept(part) for part in cast(Iterable[object], value)]
-        same = type(value) is tuple and all(a is b for a, b in zip(parts, value, strict=True))
-        return value if same else tuple(parts)
+        return tuple(_kept(part) for part in cast(Iterable[object], value))
     if type(value) is dict:
         return {key: _kept(part) for key, part in value.items()}
     return value
-
-
-def _is_own(array: np.ndarray) -> bool:
-    """Whether an array is read-only and so is the memory that it shows, as arrays of values are."""
-    base = array
-    while isinstance(base.base, np.ndarray):
-        base = base.base
-    return base.base is None and not base.flags.writeable and not array.flags.writeable
 
 
 @cache
@@ -152,7 +142,7 @@ def _readers_of(owner: Callable[..., object]) -> dict[str, Reader]:
 
 
 def _resolved(hint: object, known: dict[str, Any]) -> object:
-    """The hint itself, of a name; as it stands where it holds names that only type checkers know."""
+    """The hint of a name; as it stands where it holds names that only type checkers know."""
 
     def holder() -> None: ...
 
@@ -174,10 +164,10 @@ def _reader(hint: object) -> Reader:
     if origin is ClassVar:
         return _anything
     if origin is Annotated:
-        ranges = [extra for extra in args[1:] if isinstance(extra, Range)]
-        if ranges:
-            return ranges[0].read_whole if args[0] is int else ranges[0].read
-        return _reader(args[0])
+        own = [extra for extra in args[1:] if hasattr(extra, "read")]
+        if own and args[0] is int:
+            return cast(Reader, own[0].read_whole)
+        return cast(Reader, own[0].read) if own else _reader(args[0])
     if hint is ArrayLike or origin in (Union, types.UnionType):
         return _union(args)
     if origin is Literal:
@@ -211,7 +201,7 @@ def _plain(hint: object) -> Reader:
     }
     if hint in known:
         return known[hint]
-    if not isinstance(hint, type) or hint is object:
+    if not isinstance(hint, type) or hint in (object, Any):
         return _anything
     if getattr(hint, "_is_protocol", False):
         return partial(_protocol, kind=hint)
@@ -224,13 +214,13 @@ _ARRAY = frozenset(get_args(ArrayLike))
 def _union(args: tuple[object, ...]) -> Reader:
     """Reader of one of several."""
     arms = [arg for arg in args if arg not in _ARRAY or not set(args) >= _ARRAY]
+    if np.random.Generator in arms:  # a seed is one as well
+        return partial(_either, readers=[_generator], none=False)
+    if str in arms and Path in arms:
+        arms.remove(str)
     readers = [_reader(arm) for arm in arms if arm is not type(None)]
     if set(args) >= _ARRAY:
         readers.append(checks.finite_array)
-    if np.random.Generator in arms:
-        readers = [_generator]
-    if str in arms and Path in arms:
-        readers = [_path]
     return partial(_either, readers=readers, none=type(None) in args)
 
 

@@ -13,6 +13,7 @@ from typing import TypeVar
 import numpy as np
 
 from tpsim.arrays import FLOAT as FLOAT
+from tpsim.arrays import HUGE as HUGE
 from tpsim.arrays import LARGEST as LARGEST
 from tpsim.arrays import Floats as Floats
 from tpsim.arrays import array_of as array_of
@@ -28,6 +29,7 @@ Value = TypeVar("Value")
 Seed = int | np.random.Generator | None
 
 MOST = 10**9  # as many of anything nobody means
+LARGEST_SEED = 2**128
 ROOM = 2**27  # numbers in an array: one gibibyte
 LONGEST_NAME = 1000  # letters in the path of a file
 FASTEST = 1e-100  # [s]: rates of change over shorter steps leave the range of floating point
@@ -182,7 +184,7 @@ def path(name: str, value: object) -> Path:
     """Name of a file or a folder."""
     if isinstance(value, str | PathLike):
         text = fspath(value)
-        if isinstance(text, str) and text and "\0" not in text and len(text) < LONGEST_NAME:
+        if isinstance(text, str) and text.isprintable() and 0 < len(text) < LONGEST_NAME:
             return Path(text)
     raise ArgumentError(f"{name} is {shown(value)}; give the name of a file or a folder")
 
@@ -243,7 +245,7 @@ def is_table(name: str, value: object) -> bool:
 def dimensions(name: str, value: object, size: int) -> np.ndarray:
     """Different indices out of 0 ... size - 1, counted from the end where negative."""
     dims = np.atleast_1d(array_of(name, value))
-    if dims.dtype == bool or not np.issubdtype(dims.dtype, np.integer) or dims.ndim != 1:
+    if dims.dtype.kind not in "iu" or dims.ndim != 1:
         raise ArgumentError(f"{name} is {shown(value)}; it must be at least one integer")
     if dims.size == 0 or dims.min() < -size or dims.max() >= size:
         raise ArgumentError(
@@ -261,8 +263,9 @@ def generator(name: str, rng: Seed, default: int | None = None) -> np.random.Gen
     if isinstance(rng, np.random.Generator):
         return rng
     seed = default if rng is None else rng
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+    right = isinstance(seed, int | np.integer) and not isinstance(seed, bool)
+    if not right or not 0 <= seed < LARGEST_SEED:
         raise ArgumentError(
-            f"{name} is {shown(rng)}; give a numpy Generator or a seed, an int >= 0"
+            f"{name} is {shown(rng)}; give a numpy Generator or a seed, an int from 0 below 2^128"
         )
     return np.random.default_rng(int(seed))

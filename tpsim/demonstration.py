@@ -10,7 +10,16 @@ from numpy.typing import ArrayLike
 from tpsim import rotation
 from tpsim.agreement import warn_of_jumps
 from tpsim.archive import Stored
-from tpsim.checks import entries, finite_array, flag, frozen, frozen_array, several, stamps, whole
+from tpsim.checks import (
+    affordable,
+    entries,
+    finite_array,
+    flag,
+    frozen,
+    frozen_array,
+    several,
+    stamps,
+)
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.timeline import differentiate, interpolate, new_times
@@ -200,7 +209,7 @@ class Demonstration(Stored):
         stamps; the movement is taken to rest after its last sample, so the last derivative is
         zero.
         """
-        n = whole("n", n)
+        n = affordable("n", n, self.data.size, least=0)
         warn_of_jumps(self.data, self.name)
         extended = partial(differentiate, self.time, n=n)
         return Demonstration(

@@ -7,7 +7,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import entries, finite_array, frozen, frozen_array, instance, picked, whole
+from tpsim.checks import (
+    affordable,
+    entries,
+    finite_array,
+    frozen,
+    frozen_array,
+    instance,
+    picked,
+    whole,
+)
 from tpsim.errors import ArgumentError
 
 WORST_CONDITION = 1e10  # beyond it a square A counts as singular
@@ -107,6 +116,7 @@ class Frame(Stored):
     def with_input(self, n: int = 1) -> "Frame":
         """Lift by ``n`` inputs, such as time, that the frame leaves alone, Eq. (20)."""
         n = whole("n", n, least=1)
+        affordable("n", n, (n + self.dim) * max(self.b.size // self.dim, 1))
         D, d = self.A.shape[-2:]
         A = np.zeros((*self.shape, n + D, n + d))
         A[..., :n, :n] = np.eye(n)
@@ -121,6 +131,7 @@ class Frame(Stored):
         slow beside the movement.
         """
         n = whole("n", n)
+        affordable("n", n, (n + 1) * self.A.size, least=0)
         A = np.kron(np.eye(n + 1), self.A)
         b = np.concatenate([self.b, np.zeros((*self.shape, n * self.dim))], axis=-1)
         return Frame.trusted(A, b)

@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.checks import finite_array, instance, place
+from tpsim.checks import finite_array, instance, place, shown
 from tpsim.errors import ArgumentError, DataWarning
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
+MOST_TURN = 1e8  # [rad]: beyond it rounding decides where a rotation ends
 WIDE_TURN = np.pi / 3  # [rad] between neighbouring samples: faster than any recorder should be
 
 
@@ -39,7 +40,7 @@ def skew(v: ArrayLike) -> np.ndarray:
 
 def exp(w: ArrayLike) -> np.ndarray:
     """Rotation matrices (..., 3, 3) of rotation vectors (..., 3) [rad]."""
-    w = _shaped("w", w, (3,))
+    w = _turns(w)
     return (
         _scipy().from_rotvec(_writable(w.reshape(-1, 3))).as_matrix().reshape(*w.shape[:-1], 3, 3)
     )
@@ -56,7 +57,8 @@ def log(R: ArrayLike) -> np.ndarray:
             .reshape(*R.shape[:-2], 3)
         )
     except ValueError as error:
-        raise ArgumentError(f"R holds a matrix that is none: {error}") from error
+        words = " ".join(str(error).split())
+        raise ArgumentError(f"R holds a matrix that is none: {words}") from error
 
 
 def to_quaternion(R: ArrayLike) -> np.ndarray:
@@ -116,10 +118,10 @@ def quaternions(
         return ordered / length[:, None]
     if convention == "matrix":
         _check_rows(name, values, (3, 3))
-        return to_quaternion(values)
+        return to_quaternion(_matrices(values, name))
     if not re.fullmatch("[xyz]{1,3}|[XYZ]{1,3}", convention) or re.search(r"(.)\1", convention):
         raise ArgumentError(
-            f"convention is {convention!r}; give 'wxyz', 'xyzw', 'matrix', or Euler axes by "
+            f"convention is {shown(convention)}; give 'wxyz', 'xyzw', 'matrix', or Euler axes by "
             "scipy's names, such as 'xyz' (fixed) or 'ZYX' (turning)"
         )
     values = values[:, None] if values.ndim == 1 else values
@@ -169,7 +171,7 @@ def left_jacobian_inverse(w: ArrayLike) -> np.ndarray:
 
     ``d log(R) / dt = left_jacobian_inverse(log(R)) @ omega``. Singular at an angle of 2 pi only.
     """
-    w = _shaped("w", w, (3,))
+    w = _turns(w)
     angle = np.linalg.norm(w, axis=-1)[..., None, None]
     S = skew(w)
     half = angle / 2
@@ -181,7 +183,7 @@ def left_jacobian_inverse(w: ArrayLike) -> np.ndarray:
 
 def left_jacobian(w: ArrayLike) -> np.ndarray:
     """Map from the rate of ``log(R)`` to world angular velocity: (..., 3) -> (..., 3, 3)."""
-    w = _shaped("w", w, (3,))
+    w = _turns(w)
     angle = np.linalg.norm(w, axis=-1)[..., None, None]
     S = skew(w)
     small = angle < 1e-4
@@ -203,6 +205,14 @@ def tilt(R: ArrayLike, axis: ArrayLike = (0.0, 0.0, 1.0)) -> np.ndarray:
     return np.arctan2(sine, carried @ axis)
 
 
+def _turns(w: ArrayLike) -> np.ndarray:
+    """Rotation vectors (..., 3) whose angle still means a direction, or an ArgumentError."""
+    w = _shaped("w", w, (3,))
+    if w.size and np.abs(w).max() > MOST_TURN:
+        raise ArgumentError(f"w reaches {np.abs(w).max():.1e} rad; give at most {MOST_TURN:.0e}")
+    return w
+
+
 def _writable(values: np.ndarray) -> np.ndarray:
     """The values, or a copy of read-only ones, which scipy does not take."""
     return values if values.flags.writeable else values.copy()
@@ -218,14 +228,14 @@ def _shaped(name: str, values: ArrayLike, last: tuple[int, ...]) -> np.ndarray:
     return values
 
 
-def _matrices(R: ArrayLike) -> np.ndarray:
+def _matrices(R: ArrayLike, name: str = "R") -> np.ndarray:
     """Rotation matrices, or an ArgumentError for what scipy would bend into some."""
-    R = _shaped("R", R, (3, 3))
+    R = _shaped(name, R, (3, 3))
     wrong = np.abs(R.mT @ R - np.eye(3)).max((-1, -2)) > 1e-2
     wrong |= np.linalg.det(R) < 0
     if wrong.any():
         raise ArgumentError(
-            f"R holds a matrix that is none, the first {place(wrong)}: R'R must be the "
+            f"{name} holds a matrix that is none, the first {place(wrong)}: R'R must be the "
             "identity and det R one"
         )
     return R

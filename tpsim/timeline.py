@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.checks import finite_array, whole
+from tpsim.checks import affordable, array_of, finite_array
 from tpsim.errors import ArgumentError, DataWarning
 
 UNEVEN = 1e-3  # of the mean step: stamps that stray less count as evenly spaced
@@ -46,11 +46,11 @@ def weights(time: np.ndarray) -> np.ndarray:
 def new_times(time: np.ndarray, wanted: int | ArrayLike) -> np.ndarray:
     """Times (S,) inside the span of ``time``: as they are given, or a number of them."""
     first, last = time[0], time[-1]
-    if np.ndim(wanted) == 0:
+    if array_of("times", wanted).ndim == 0:
         count = wanted.item() if isinstance(wanted, np.generic | np.ndarray) else wanted
         if isinstance(count, float) and count.is_integer():
             count = int(count)
-        return np.linspace(first, last, whole("times", count, least=1))
+        return np.linspace(first, last, affordable("times", count, 64))
     times = finite_array("times", wanted)
     if times.ndim != 1 or times.size == 0 or times.min() < first or times.max() > last:
         raise ArgumentError(

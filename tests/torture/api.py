@@ -55,6 +55,11 @@ INSIDE = {
         "a step of EM, which hands its own densities on; users call those of HMM and HSMM",
     ),
     **dict.fromkeys(
+        ["lab.Pose.checked", "lab.Robot.posture", "rotation.quaternions", "rotation.warn_of_turns",
+         "TrajectoryDistribution.of"],
+        "a check, which takes the name under which a user knows the argument",
+    ),
+    **dict.fromkeys(
         [f"lab.{kind}.{step}" for step in ("command", "labels", "product", "renew", "resolved",
          "rows", "see", "moving", "bind") for kind in KINDS],
         "its author writes it, the roll-out calls it at every time step",

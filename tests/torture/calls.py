@@ -32,7 +32,7 @@ class Call(NamedTuple):
         with np.errstate(all="ignore"):
             arguments |= {name: hostile.make() for name, hostile in self.spoiled.items()}
         nonsense = {name: _nonsense(recipe, name, h) for name, h in self.spoiled.items()}
-        return judge(recipe.call, arguments, nonsense, recipe.infinite, recipe.keeps)
+        return judge(recipe.call, arguments, nonsense, recipe.infinite, recipe.keeps, recipe.words)
 
 
 def _nonsense(recipe: Recipe, name: str, hostile: Hostile) -> bool:

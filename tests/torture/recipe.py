@@ -38,6 +38,8 @@ class Recipe:
         Arguments that the answer documents to hold as they are.
     free : tuple of str
         Arguments that may be anything.
+    words : tuple of str
+        Other names of what is given, by which a message may call it.
     """
 
     name: str
@@ -47,6 +49,7 @@ class Recipe:
     infinite: bool = False
     keeps: tuple[str, ...] = ()
     free: tuple[str, ...] = ()
+    words: tuple[str, ...] = ()
 
     def fresh(self) -> dict[str, object]:
         """Good arguments, whose arrays nobody else holds."""
@@ -78,8 +81,9 @@ class Book(dict[str, list[Recipe]]):
         infinite: bool = False,
         keeps: tuple[str, ...] = (),
         free: tuple[str, ...] = (),
+        words: tuple[str, ...] = (),
         **arguments: object,
     ) -> None:
         """Add a good call."""
-        recipe = Recipe(name, call, arguments, takes or {}, infinite, keeps, free)
+        recipe = Recipe(name, call, arguments, takes or {}, infinite, keeps, free, words)
         self.setdefault(name, []).append(recipe)

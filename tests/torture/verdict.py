@@ -33,6 +33,7 @@ def judge(
     corrupted: Mapping[str, bool],
     infinite: bool = False,
     keeps: tuple[str, ...] = (),
+    words: tuple[str, ...] = (),
 ) -> Verdict:
     """Call, and say what became of it.
 
@@ -46,6 +47,8 @@ def judge(
         Whether the answer may hold infinities.
     keeps : tuple of str
         Arguments that the answer documents to keep as they are.
+    words : tuple of str
+        Other names of the arguments.
     """
     before = [(array, array.copy()) for array in arrays_in(list(arguments.values()))]
     plain = [(part, len(part)) for part in containers_in(list(arguments.values()))]
@@ -58,7 +61,7 @@ def judge(
                 answer = call(**arguments)
                 answers = list(arrays_in([answer]))
         except TpsimError as error:
-            verdict = _message(str(error), corrupted)
+            verdict = _message(str(error), corrupted, words)
         except TooSlow as error:
             verdict = Verdict("slow", str(error))
         except Exception as error:
@@ -73,11 +76,11 @@ def judge(
     return verdict
 
 
-def _message(words: str, corrupted: Mapping[str, bool]) -> Verdict:
+def _message(words: str, corrupted: Mapping[str, bool], others: tuple[str, ...]) -> Verdict:
     if not words.strip() or "\n" in words or len(words) > 600:
         return Verdict("unreadable", words[:300])
     lower = words.lower().replace("_", " ")
-    stems = [stem(name) for name in corrupted]
+    stems = [stem(name) for name in (*corrupted, *others)]
     if corrupted and not any(s in lower for s in stems):
         return Verdict("nameless", words)
     return Verdict("refused", words)

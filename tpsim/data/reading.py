@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 
+from tpsim.border import border
 from tpsim.data.build import demonstrations_of
 from tpsim.data.columns import Columns
 from tpsim.data.recording import Recording
@@ -35,6 +36,7 @@ _SUFFIXES = {
 _SUFFIXES |= dict.fromkeys((".csv", ".tsv", ".txt", ".dat", ".log", ".tum"), "text")
 
 
+@border
 def read(
     path: str | Path | Sequence[str | Path],
     columns: Columns | None = None,
@@ -72,6 +74,7 @@ def read(
     return demonstrations_of(recordings(path, format=format), columns or Columns())
 
 
+@border
 def recordings(
     path: str | Path | Sequence[str | Path], *, format: str | None = None
 ) -> list[Recording]:

@@ -16,6 +16,7 @@ from tpsim.checks import (
     generator,
     instance,
     shown,
+    whole,
 )
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
@@ -64,6 +65,7 @@ class GMM(Stored):
                 f"{len(priors)} priors it must be (..., {len(priors)}, D)"
             )
         object.__setattr__(self, "priors", priors)
+        object.__setattr__(self, "samples", whole("samples", self.samples))
         object.__setattr__(self, "history", frozen_array("history", self.history))
 
     @classmethod

@@ -27,6 +27,8 @@ from tpsim.learning.subspace import Structure, structure_of
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.timeline import check_even
 
+FARTHEST = 1e12  # [nats]: beyond it the digits of a log density are below one
+
 Chain = MarkovChain | SemiMarkovChain
 Emissions = GMM | TPGMM
 Sequences = Demonstration | Sequence[Demonstration] | Sequence[ArrayLike]
@@ -92,6 +94,11 @@ class HiddenStates(Stored):
             joint = emissions.log_joint(observations)
         else:
             joint = emissions.log_joint(matrix("observations", observations, emissions.dim))
+        if not np.abs(joint).max() < FARTHEST:
+            raise ArgumentError(
+                "observations lie so far from all states that rounding decides between them; give "
+                "them in the unit and from the origin of the data"
+            )
         return joint - log_priors(emissions.priors)
 
     def log_likelihood(self, observations: Demonstration | ArrayLike) -> float:
@@ -213,9 +220,9 @@ def fit_states(
     ``chain_of(components, topology, stay)`` makes the chain to begin with.
     """
     choice("topology", topology, ("left-right", "any"))
-    bound("tolerance", tolerance)
-    whole("max_iterations", max_iterations)
-    whole("components", components, least=1)
+    tolerance = bound("tolerance", tolerance)
+    max_iterations = whole("max_iterations", max_iterations)
+    components = whole("components", components, least=1)
     if not isinstance(start, Emissions):
         start = _mixture(sequences, components, covariance, start, ridge, rng)
     seen = _seen(sequences, components, start)

@@ -74,7 +74,9 @@ class Motion(Stored):
         else:
             time = stamps("dt", dt)
         if len(time) != len(position):
-            raise ArgumentError(f"{len(position)} positions and {len(time)} stamps; give one each")
+            raise ArgumentError(
+                f"position has {len(position)} samples and dt {len(time)} stamps; give one each"
+            )
         origin = position[0]  # far from zero, differences of small weights would lose digits
         velocity = np.gradient(position - origin, time, axis=0)
         return cls(position, velocity, np.gradient(velocity, time, axis=0))

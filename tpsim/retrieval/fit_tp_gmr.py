@@ -120,8 +120,9 @@ def fit_tp_gmr(
 
 def numbers_of(components: int | Iterable[int]) -> list[int]:
     """Numbers of components to choose from; ArgumentError where there is none."""
-    given = [components] if isinstance(components, int | np.integer) else components
-    numbers = [whole("components", K, least=1) for K in entries("components", given)]
+    one = isinstance(components, int | np.integer)
+    given = [components] if one else entries("components", components, tables=False)
+    numbers = [whole("components", K, least=1) for K in given]
     if not numbers:
         raise ArgumentError("components is empty; give at least one number of components")
     return sorted(numbers)

@@ -173,8 +173,8 @@ class Regression(Stored):
         point = point.reshape(-1)
         if self.input_mean.ndim != 2 or len(point) != size or not point.dot(point) < _BEYOND**2:
             raise ArgumentError(
-                f"at() takes {size} finite values and a mixture without leading axes; got "
-                f"{point} and leading axes {self.input_mean.shape[:-2]}"
+                f"at() takes a point of {size} finite values and a mixture without leading axes; "
+                f"got {point} and leading axes {self.input_mean.shape[:-2]}"
             )
         moved = self.linear @ (point - self.input_mean)[..., None]
         white, shift = moved[:, :size, 0], moved[:, size:, 0]

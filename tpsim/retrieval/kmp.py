@@ -49,6 +49,8 @@ class KMP:
     def __call__(self, queries: ArrayLike) -> Gaussian:
         """Path at queries (T,): mean (T, O), covariance (T, O, O)."""
         queries = np.atleast_1d(finite_array("queries", queries)).reshape(-1)
+        if not len(queries):
+            raise ArgumentError("queries is empty; give at least one input")
         O = self.reference.dim
         kernel = self._kernel(queries, self.inputs)
         cross = np.kron(kernel, np.eye(O))

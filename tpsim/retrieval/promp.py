@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from tpsim.agreement import agreed_with_warning
 from tpsim.archive import Stored
 from tpsim.checks import (
+    affordable,
+    array_of,
     column_or_matrix,
     entries,
     frozen_array,
@@ -78,6 +80,8 @@ class ProMP(Stored):
         Condition and sample it there.
         """
         K, D = self.count, self.weights.dim // self.count
+        if array_of("steps", steps).ndim == 0:
+            affordable("steps", steps, K * D * K * D)
         basis = radial_basis(steps, K, self.width)
         root = cholesky(self.weights.covariance, "covariance of the weights")
         modes = np.einsum("tk,kdn->ntd", basis, root.reshape(K, D, K * D))

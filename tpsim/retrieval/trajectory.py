@@ -262,7 +262,9 @@ def _check_grid(steps: int, dt: float, derivatives: int, differences: str) -> No
     whole("steps", steps, least=1)
     whole("derivatives", derivatives)
     if number("dt", dt, above=0, what="time step [s]") ** max(derivatives, 1) < FASTEST:
-        raise ArgumentError(f"dt is {dt} s; rates of change over it leave floating point")
+        raise ArgumentError(
+            f"dt is {dt} s and derivatives {derivatives}; such rates of change leave floating point"
+        )
     choice("differences", differences, ("forward", "backward"))
 
 

@@ -8,6 +8,9 @@ import numpy as np
 from tpsim.checks import several, shown
 from tpsim.errors import ArgumentError
 
+LONGEST = 1000
+"""Letters in the name of a joint, at most."""
+
 Names = str | tuple[str, ...]
 
 
@@ -61,6 +64,10 @@ def matched(pattern: str, joint: str, argument: str) -> bool:
     ArgumentError
         If the pattern is no regular expression.
     """
+    if len(pattern) > LONGEST:
+        raise ArgumentError(
+            f"{argument} has a name of {len(pattern)} letters; give at most {LONGEST}"
+        )
     if pattern == joint:
         return True
     try:

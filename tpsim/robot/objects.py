@@ -66,8 +66,8 @@ class Objects(Mapping[str, Moving]):
     @classmethod
     def of(cls, poses: Mapping[str, Pose]) -> "Objects":
         """Objects at rest at these poses."""
-        read("objects", poses, Mapping[str, Pose])
-        known = [pose.checked(f"objects[{name!r}]") for name, pose in poses.items()]
+        read("poses", poses, Mapping[str, Pose])
+        known = [pose.checked(f"poses[{name!r}]") for name, pose in poses.items()]
         positions = np.array([pose.position for pose in known], float).reshape(-1, 3)
         turned = [pose.quaternion for pose in known]
         rows = {name: row for row, name in enumerate(poses)}
@@ -96,7 +96,8 @@ class Objects(Mapping[str, Moving]):
     def _look(self, name: str) -> Moving:
         if not isinstance(name, str) or name not in self._rows:
             raise SimulationError(
-                f"there is no object of the name {shown(name)} in the scene; it has {sorted(self._rows) or 'none'}"
+                f"there is no object of the name {shown(name)} in the scene; it has "
+                f"{sorted(self._rows) or 'none'}"
             )
         row = self._rows[name]
         w, x, y, z = self.quaternions[row].tolist()

@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from tpsim.checks import choice, finite_array, number, shown
+from tpsim.checks import finite_array, number, shown
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.pose import Pose
 from tpsim.robot.indices import Indices, Names
@@ -124,7 +124,6 @@ class Robot:
         """
         from tpsim.robot.intake import take_in
 
-        choice("others", others, ("locked", "servo"))
         limits = {"torque_limit": torque_limit, "velocity_limit": velocity_limit}
         return cls._of(take_in(source, hands=hands, home=home, others=others, **limits))
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from tqdm import tqdm  # type: ignore[import-untyped]
 
+from tpsim.border import Count, border
 from tpsim.errors import RenderingError
 from tpsim.film import rendering
 from tpsim.film.video import film as write_film
@@ -26,12 +27,13 @@ from tpsim.study.teaching_files import write_demonstrations
 from tpsim.task.verbs import learn
 
 
+@border
 def run(
     study: Study,
     plan: Plan = Plan(),  # noqa: B008 - a frozen value
-    folder: Path | None = None,
+    folder: str | Path | None = None,
     *,
-    workers: int = 1,
+    workers: Count = 1,
     video: bool = True,
     progress: bool = False,
     command: str = "",

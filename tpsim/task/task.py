@@ -151,7 +151,7 @@ class Task(ABC):
 
     def outcome(self, trial: Trial) -> str:
         """How a trial ended, where a task can say more than ``trial.outcome``."""
-        return trial.outcome
+        return instance("trial", trial, Trial).outcome
 
     @cached_property
     def stage(self) -> World:

@@ -98,7 +98,8 @@ class Simulation:
             bodies = [self.model.body(b).name for b in range(1, self.model.nbody)]
             sites = [self.model.site(s).name for s in range(self.model.nsite)]
             raise SimulationError(
-                f"no body or site of the name {shown(name)} in the scene; it has bodies {bodies} and sites {sites}"
+                f"no body or site of the name {shown(name)} in the scene; it has bodies {bodies} "
+                f"and sites {sites}"
             )
         R = np.empty(9)
         mujoco.mju_quat2Mat(R, self.model.site_quat[site])

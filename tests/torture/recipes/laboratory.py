@@ -60,7 +60,6 @@ def book() -> Book:
 
 def _robot(book: Book) -> None:
     add = book.add
-    add("lab.Pose.checked", POSE.checked, name="pose", free=("name",))
     add("lab.Pose.__matmul__", POSE.__matmul__, other=POSE)
     add(
         "lab.Pose.at",
@@ -97,7 +96,6 @@ def _robot(book: Book) -> None:
         **limits,
     )
     add("lab.Robot.at", ROBOT.at, q=START, dq=0.1 * START, objects=OBJECTS, time=0.1)
-    add("lab.Robot.posture", ROBOT.posture, name="q", q=START, free=("name",))
     add("lab.Robot.chain", ROBOT.chain, site="tip")
     add("lab.Robot.index", ROBOT.index, joints="sh.*")
     add("lab.Robot.index", ROBOT.index, joints=("elbow",))
@@ -141,8 +139,8 @@ def _views(book: Book) -> None:
     add("lab.Direction", Direction, site="tip", axes="zxy", reference=None)
     add("lab.Direction.towards", TIP.axis("z").towards, target=MARK)
     add("lab.View.__call__", VIEW.__call__, state=STATE)
-    add("lab.View.__getitem__", VIEW.__getitem__, rows=[0, 1])
-    add("lab.View.__getitem__", VIEW.__getitem__, rows=0)
+    add("lab.View.__getitem__", VIEW.__getitem__, words=("indices",), rows=[0, 1])
+    add("lab.View.__getitem__", VIEW.__getitem__, words=("indices",), rows=0)
     add(
         "lab.View.beneath",
         lambda first, bend, damping: joints.beneath(first, bend=bend, damping=damping),
@@ -438,7 +436,7 @@ def _timed_skill() -> lab.Skill:
 def _tasks(book: Book) -> None:
     add = book.add
     add("lab.Behaviour", lab.Behaviour, views=dict(SKILL.views), teacher=TASK.lesson, fit=len)
-    add("lab.Goal", lab.Goal, view=VIEW, within=0.01, since=0.0, until=1.0)
+    add("lab.Goal", lab.Goal, view=VIEW, within=0.01, since=0.0, until=1.0, infinite=True)
     add(
         "lab.Situation",
         lab.Situation,
@@ -463,7 +461,8 @@ def _tasks(book: Book) -> None:
         duration=0.02,
         plant=lab.Plant(),
     )
-    options = {"models": dict(MODELS), "action": "torque", "duration": 0.1, "control_timestep": 0.004,
+    options = {"models": dict(MODELS), "action": "torque", "duration": 0.1,
+               "control_timestep": 0.004,
                "stiffness": 100.0, "people": [PUSH], "plant": lab.Plant()}  # fmt: skip
     add("lab.environment", lab.environment, task=TASK, seed=0, **options)
     add("lab.gym_environment", lab.gym_environment, task=TASK, seed=0, render_mode=None, **options)
@@ -584,7 +583,14 @@ def _studies(book: Book) -> None:
         title="t",
         lead="l",
     )
-    add("lab.Study.with_task", STUDY.with_task, effort=0.1, free=("effort",))
+    add(
+        "lab.Study.with_task",
+        STUDY.with_task,
+        effort=0.1,
+        free=("effort",),
+        keeps=("effort",),
+        infinite=True,
+    )
     add("lab.pushes_all_round", lab.pushes_all_round, force=20.0, body="tip")
     add(
         "lab.Clip",

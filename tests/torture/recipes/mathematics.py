@@ -157,8 +157,8 @@ def _values(book: Book) -> None:
     add("agree", tp.agree, demonstrations=DEMONSTRATIONS, quaternions=None, angles=[1])
     saved = GAUSSIAN.save(FOLDER / "gaussian.npz")
     add("Stored.save", GAUSSIAN.save, path=str(FOLDER / "again.npz"))
-    add("Stored.load", tp.Gaussian.load, path=str(saved))
-    add("load", tp.load, path=str(saved))
+    add("Stored.load", tp.Gaussian.load, words=("file",), path=str(saved))
+    add("load", tp.load, words=("file",), path=str(saved))
 
 
 def _learning(book: Book) -> None:
@@ -183,6 +183,7 @@ def _learning(book: Book) -> None:
     add(
         "fit_tp_gmm",
         tp.fit_tp_gmm,
+        words=("observation",),
         demonstrations=DEMONSTRATIONS,
         components=2,
         covariance="full",
@@ -192,10 +193,18 @@ def _learning(book: Book) -> None:
         rng=0,
         **few,
     )
-    add("fit_tp_gmm", tp.fit_tp_gmm, demonstrations=PATHS, components=2, covariance=tp.HDDC(1))
+    add(
+        "fit_tp_gmm",
+        tp.fit_tp_gmm,
+        words=("observation",),
+        demonstrations=PATHS,
+        components=2,
+        covariance=tp.HDDC(1),
+    )
     add(
         "update_tp_gmm",
         tp.update_tp_gmm,
+        words=("observation",),
         model=TPGMM,
         demonstrations=TIMED[:1],
         **_signature_of_update(),
@@ -210,8 +219,18 @@ def _learning(book: Book) -> None:
     )
     add("TPGMM.adapt", PLACES.adapt, frames=FRAMES, ridge=1e-4, prior=GAUSSIAN)
     for method in ("log_joint", "log_likelihood", "responsibilities"):
-        add(f"TPGMM.{method}", getattr(PLACES, method), observations=DEMONSTRATIONS)
-        add(f"TPGMM.{method}", getattr(PLACES, method), observations=[PATHS[0], PATHS[1]])
+        add(
+            f"TPGMM.{method}",
+            getattr(PLACES, method),
+            words=("demonstration",),
+            observations=DEMONSTRATIONS,
+        )
+        add(
+            f"TPGMM.{method}",
+            getattr(PLACES, method),
+            words=("demonstration",),
+            observations=[PATHS[0], PATHS[1]],
+        )
         add(f"GMM.{method}", getattr(GMM, method), x=TIMED[0].data)
     add(
         "GMM",
@@ -244,13 +263,32 @@ def _learning(book: Book) -> None:
     for method in ("log_likelihood", "responsibilities"):
         add(f"PGMM.{method}", getattr(PGMM, method), data=PATHS[0], parameters=np.array([0.1, 0.2]))
     add("task_vector", tp.task_vector, frames=FRAMES)
-    add("aic", lambda model, data: tp.aic(model, data), model=GMM, data=TIMED[0].data)
-    add("bic", lambda model, data: tp.bic(model, data), model=PLACES, data=DEMONSTRATIONS)
+    add(
+        "aic",
+        lambda model, data: tp.aic(model, data),
+        words=("x", "sample"),
+        model=GMM,
+        data=TIMED[0].data,
+    )
+    add(
+        "bic",
+        lambda model, data: tp.bic(model, data),
+        words=("observation", "demonstration", "sample"),
+        model=PLACES,
+        data=DEMONSTRATIONS,
+    )
     add("dp_means", tp.dp_means, points=PATHS[0], radius=0.5)
-    add("dp_means_start", tp.dp_means_start, data=DEMONSTRATIONS, radius=0.5)
+    add(
+        "dp_means_start",
+        tp.dp_means_start,
+        words=("observation", "demonstration"),
+        data=DEMONSTRATIONS,
+        radius=0.5,
+    )
     add(
         "select_model",
         tp.select_model,
+        words=("observation", "demonstration"),
         data=DEMONSTRATIONS,
         components=[1, 2],
         covariances=("full", "diagonal"),
@@ -260,6 +298,7 @@ def _learning(book: Book) -> None:
     add(
         "select_model",
         tp.select_model,
+        words=("observation", "demonstration"),
         data=PATHS[0],
         components=range(1, 3),
         fit=tp.fit_gmm,
@@ -284,6 +323,7 @@ def _learning(book: Book) -> None:
     add(
         "frame_report",
         tp.frame_report,
+        words=("frame",),
         model=PLACES,
         demonstrations=DEMONSTRATIONS,
         dims=[0],
@@ -297,7 +337,7 @@ def _learning(book: Book) -> None:
         for owner in ("_Subspace", "MFA"):
             add(f"{owner}.free_parameters", structure(1).free_parameters, dim=4)
         add("_Subspace.subspace", structure(1).subspace, dim=4)
-    add("dtw", tp.dtw, reference=PATHS[0], other=PATHS[1], band=4)
+    add("dtw", tp.dtw, words=("cost",), reference=PATHS[0], other=PATHS[1], band=4)
     add("Warp", tp.Warp, path=np.array([[0, 0], [1, 1]]), cost=1.0)
     add("align", tp.align, demonstrations=DEMONSTRATIONS, reference=0, band=4, by="data", rounds=2)
     add("on_one_clock", tp.on_one_clock, demonstrations=DEMONSTRATIONS, samples=9)
@@ -346,7 +386,14 @@ def _hidden(book: Book) -> None:
             rng=0,
             **few,
         )
-        add(name, fit, sequences=DEMONSTRATIONS, components=2, topology="any")
+        add(
+            name,
+            fit,
+            words=("data", "sample", "demonstration"),
+            sequences=DEMONSTRATIONS,
+            components=2,
+            topology="any",
+        )
     add("HMM", tp.HMM, chain=CHAIN, emissions=HMM.emissions, history=np.array([1.0]))
     add("HSMM", tp.HSMM, chain=SEMI, emissions=HMM.emissions, history=np.array([1.0]))
     add("HiddenStates.adapt", TPHMM.adapt, frames=FRAMES, ridge=1e-4, prior=GAUSSIAN)
@@ -400,6 +447,7 @@ def _retrieval(book: Book) -> None:
     add(
         "tp_gmr",
         tp.tp_gmr,
+        words=("input", "view", "A has"),
         tpgmm=TPGMM,
         frames=TIMED_FRAMES,
         inputs=TIME,
@@ -407,12 +455,29 @@ def _retrieval(book: Book) -> None:
         order="regression",
         ridge=1e-6,
     )
-    add("tp_gmr", tp.tp_gmr, tpgmm=TPGMM, frames=TIMED_FRAMES, inputs=TIME, order="product")
-    add("tp_gmr", tp.tp_gmr, tpgmm=TPGMM, frames=TIMED_FRAMES, inputs=TIME, order="held")
-    add("fuse_frames", tp.fuse_frames, views=[SEVERAL, SEVERAL], frames=FRAMES)
+    add(
+        "tp_gmr",
+        tp.tp_gmr,
+        words=("input", "view", "A has"),
+        tpgmm=TPGMM,
+        frames=TIMED_FRAMES,
+        inputs=TIME,
+        order="product",
+    )
+    add(
+        "tp_gmr",
+        tp.tp_gmr,
+        words=("input", "view", "A has"),
+        tpgmm=TPGMM,
+        frames=TIMED_FRAMES,
+        inputs=TIME,
+        order="held",
+    )
+    add("fuse_frames", tp.fuse_frames, words=("noise",), views=[SEVERAL, SEVERAL], frames=FRAMES)
     add(
         "fit_tp_gmr",
         tp.fit_tp_gmr,
+        words=("covariance", "sample", "component"),
         demonstrations=DEMONSTRATIONS,
         components=(1, 2),
         covariance="shrunk",
@@ -423,6 +488,7 @@ def _retrieval(book: Book) -> None:
     add(
         "fit_tp_trajectory",
         tp.fit_tp_trajectory,
+        words=("covariance", "sample", "component"),
         demonstrations=DEMONSTRATIONS,
         components=2,
         shrunk=True,
@@ -436,7 +502,12 @@ def _retrieval(book: Book) -> None:
         errors={1: 0.5},
     )
     add("TPTrajectory.__call__", TPTRAJECTORY.__call__, frames=FRAMES)
-    add("fit_movement", tp.fit_movement, demonstrations=DEMONSTRATIONS)
+    add(
+        "fit_movement",
+        tp.fit_movement,
+        words=("component", "sample", "covariance"),
+        demonstrations=DEMONSTRATIONS,
+    )
     covariances = np.tile(np.eye(6), (4, 1, 1))
     add(
         "trajectory",
@@ -483,7 +554,6 @@ def _retrieval(book: Book) -> None:
         tp.TrajectoryDistribution,
         **_fields(tp.TrajectoryDistribution, DISTRIBUTION),
     )
-    add("TrajectoryDistribution.of", tp.TrajectoryDistribution.of, gaussian=SEVERAL)
     add("TrajectoryDistribution.sample", DISTRIBUTION.sample, rng=0, size=2, noisy=True)
     add(
         "TrajectoryDistribution.through",
@@ -509,8 +579,8 @@ def _retrieval(book: Book) -> None:
     add("TPTrajectoryDistribution", tp.TPTrajectoryDistribution, frames=list(TPDISTRIBUTION.frames))
     add("TPTrajectoryDistribution.adapt", TPDISTRIBUTION.adapt, frames=FRAMES)
     options = {"width": 0.2, "ridge": 1e-6, "weight_ridge": 1e-6, "noise": 1e-3}
-    add("fit_promp", tp.fit_promp, trajectories=PATHS, count=3, **options)
-    add("fit_promp", tp.fit_promp, trajectories=DEMONSTRATIONS, count=3)
+    add("fit_promp", tp.fit_promp, words=("demonstration",), trajectories=PATHS, count=3, **options)
+    add("fit_promp", tp.fit_promp, words=("demonstration",), trajectories=DEMONSTRATIONS, count=3)
     add("fit_tp_promp", tp.fit_tp_promp, demonstrations=DEMONSTRATIONS, count=3, **options)
     add("ProMP", tp.ProMP, weights=PROMP.weights, count=3, width=0.2, noise=1e-3)
     add("ProMP.distribution", PROMP.distribution, steps=5)
@@ -587,6 +657,7 @@ def _processes(book: Book) -> None:
     add(
         "lwr",
         tp.lwr,
+        words=("query",),
         inputs=TIME,
         outputs=PATHS[0],
         queries=TIME[:3],
@@ -612,10 +683,19 @@ def _control(book: Book) -> None:
         effort=0.1,
         initial=np.ones(4),
     )
-    add("lqr", tp.lqr, system=SYSTEM, Q=np.eye(4), R=np.eye(2), discrete=True)
     add(
         "lqr",
         tp.lqr,
+        words=("A has", "B has", "A hold", "B hold", "A must", "B must"),
+        system=SYSTEM,
+        Q=np.eye(4),
+        R=np.eye(2),
+        discrete=True,
+    )
+    add(
+        "lqr",
+        tp.lqr,
+        words=("A has", "B has", "A hold", "B hold", "A must", "B must"),
         system=(np.array([[1.0, 0.1], [0.0, 1.0]]), np.array([[0.0], [0.1]])),
         Q=np.eye(2),
         R=1.0,
@@ -660,22 +740,6 @@ def _geometry(book: Book) -> None:
     add("rotation.tilt", rotation.tilt, R=ROTATIONS, axis=np.array([0.0, 0.0, 1.0]))
     add("rotation.from_quaternion", rotation.from_quaternion, quaternion=QUATERNIONS)
     add("rotation.continuous", rotation.continuous, quaternions=QUATERNIONS)
-    add(
-        "rotation.warn_of_turns",
-        rotation.warn_of_turns,
-        name="q",
-        quaternions=QUATERNIONS,
-        free=("name",),
-    )
-    add(
-        "rotation.quaternions",
-        rotation.quaternions,
-        name="q",
-        orientations=QUATERNIONS,
-        convention="xyzw",
-        degrees=False,
-        free=("name",),
-    )
     J, x = np.array([[1.0, 0.5, 0.2], [0.0, 1.0, 0.7]]), np.array([0.3, 0.4])
     options = {"gain": 1.0, "damping": 0.01}
     add("projection.joint", projection.joint, n=3)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tpsim.border import border
 from tpsim.data.foreign import extra
 from tpsim.data.signals import Item, Signals, signals_of
 from tpsim.data.writers.foxglove import POSE_IN_FRAME, SAMPLES, pose_in_frame, stamp
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from mcap.writer import Writer
 
 
+@border
 def write_mcap(path: str | Path, items: Sequence[Item] | Item, *, world: str = "world") -> Path:
     """Write demonstrations or trials to an MCAP file.
 

@@ -32,6 +32,7 @@ MOST = 10**9  # as many of anything nobody means
 LARGEST_SEED = 2**128
 ROOM = 2**27  # numbers in an array: one gibibyte
 LONGEST_NAME = 1000  # letters in the path of a file
+SMALLEST = 1e-150  # number whose square is still there
 FASTEST = 1e-100  # [s]: rates of change over shorter steps leave the range of floating point
 
 
@@ -117,7 +118,8 @@ def number(
         scalar = value.item()
     if isinstance(scalar, int | float) and not isinstance(scalar, bool) and abs(scalar) < LARGEST:
         high_enough = (least is None or scalar >= least) and (above is None or scalar > above)
-        if high_enough and (below is None or scalar < below):
+        lost = above == 0 and scalar < SMALLEST
+        if high_enough and not lost and (below is None or scalar < below):
             return float(scalar)
     limits = [
         f"above {above:g}" if above else "",
@@ -127,6 +129,17 @@ def number(
     words = "".join(f", {words}" for words in limits if words)
     kind = "finite, positive" if above == 0 else "finite"
     raise ArgumentError(f"{name} is {shown(value)}; give a {kind} {what}{words}")
+
+
+def felt(name: str, value: object) -> Floats:
+    """Finite floats of which the largest does not vanish when it is squared, or all are zero."""
+    array = finite_array(name, value)
+    largest = np.abs(array).max(initial=0.0)
+    if 0 < largest < SMALLEST:
+        raise ArgumentError(
+            f"{name} reaches {largest:.1e} at most; change units to come above {SMALLEST:.0e}"
+        )
+    return array
 
 
 def bound(name: str, value: object) -> float:
@@ -147,11 +160,11 @@ def flag(name: str, value: object) -> bool:
     return bool(value)
 
 
-def whole(name: str, value: object, least: int = 0, hint: str = "") -> int:
-    """Whole number from ``least`` upwards."""
+def whole(name: str, value: object, least: int = 0, hint: str = "", most: int = MOST) -> int:
+    """Whole number from ``least`` upwards, to ``most``."""
     if isinstance(value, int | np.integer) and not isinstance(value, bool):
-        if value > MOST:
-            raise ArgumentError(f"{name} is too large; allowed are whole numbers up to {MOST}")
+        if value > most:
+            raise ArgumentError(f"{name} is too large; allowed are whole numbers up to {most}")
         if value >= least:
             return int(value)
     raise ArgumentError(

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.checks import finite_array, instance
+from tpsim.checks import felt, instance
 from tpsim.control.feedback import Feedback
 from tpsim.control.lqr import Regulator
 from tpsim.errors import ArgumentError
@@ -47,7 +47,7 @@ def impedance(precision: ArrayLike, effort: ArrayLike) -> tuple[np.ndarray, np.n
         If the precision is indefinite or not finite, or the effort is not positive.
 
     """
-    precision, effort = finite_array("precision", precision), finite_array("effort", effort)
+    precision, effort = felt("precision", precision), felt("effort", effort)
     shape = precision.shape
     if len(shape) < 2 or shape[-1] != shape[-2] or shape[-1] == 0:
         raise ArgumentError(

@@ -8,7 +8,7 @@ from scipy.linalg import solve_continuous_are, solve_discrete_are
 
 from tpsim.archive import Stored
 from tpsim.border import checked
-from tpsim.checks import finite_array, flag
+from tpsim.checks import felt, flag
 from tpsim.control.system import LinearSystem
 from tpsim.errors import ArgumentError
 
@@ -69,7 +69,7 @@ def lqr(
     """
     A, B = _matrices(system, flag("discrete", discrete))
     n, m = B.shape
-    Q, R = finite_array("Q", Q), finite_array("R", R)
+    Q, R = felt("Q", Q), felt("R", R)
     R = R * np.eye(m) if R.ndim == 0 else R
     if Q.shape[-2:] != (n, n) or R.shape[-2:] != (m, m):
         raise ArgumentError(

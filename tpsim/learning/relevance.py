@@ -14,6 +14,9 @@ from tpsim.gaussian import Dimensions
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.timeline import phase, weights
 
+MOST_DRAWS = 100_000
+"""Exchanges of a frame in a test, at most."""
+
 
 def frame_shares(
     model: TPGMM, frames: Sequence[Frame], dims: Dimensions | None = None
@@ -171,7 +174,7 @@ def frame_report(
     if not demonstrations:
         raise ArgumentError("no demonstrations were given; give at least one demonstration")
     number("significance", significance, above=0, below=1)
-    draws, random = whole("draws", draws, least=1), generator("rng", rng, 0)
+    draws, random = whole("draws", draws, least=1, most=MOST_DRAWS), generator("rng", rng, 0)
     shares = np.concatenate([frame_relevance(model, one, dims) for one in demonstrations])
     progress = np.concatenate([phase(one.time) for one in demonstrations])
     durations = np.array([max(float(np.ptp(one.time)), 1e-300) for one in demonstrations])

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from tpsim.border import Count, border
+from tpsim.checks import affordable
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 
@@ -43,6 +44,7 @@ def on_one_clock(
             f"{sorted(shapes)}; all need the same frames and the same data"
         )
     samples = int(np.median([len(d) for d in demonstrations])) if samples is None else samples
+    affordable("samples", samples, 64 * len(demonstrations))
     if samples < 2 or min(map(len, demonstrations)) < 2:
         raise ArgumentError("a movement needs at least 2 samples; give longer demonstrations")
     duration = float(np.median([d.time[-1] - d.time[0] for d in demonstrations]))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_solve, solve_triangular
 
 from tpsim.archive import Part
-from tpsim.checks import affordable, finite_array, frozen_array, matrix
+from tpsim.checks import affordable, finite_array, frozen_array, matrix, shown
 from tpsim.errors import ArgumentError
 
 SHORTEST, LONGEST = 1e-2, 1e1  # lengths searched, of the extent of the inputs
@@ -39,7 +39,7 @@ class SquaredExponential(Part):
             value = finite_array(name, getattr(self, name))
             if value.ndim > 1 or (not (value > 0).all() and (name != "noise" or (value < 0).any())):
                 raise ArgumentError(
-                    f"{name} is {getattr(self, name)}; variance and length must be positive, "
+                    f"{name} is {shown(getattr(self, name))}; variance and length must be positive, "
                     "noise not negative: numbers, or one for every output"
                 )
             shapes.add(value.shape)

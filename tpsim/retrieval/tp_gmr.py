@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tpsim.border import NotNegative, Number, border
+from tpsim.checks import finite_array
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian, add_ridge, match_moments
@@ -73,6 +74,9 @@ def tp_gmr(
         a frame that changes the inputs where the order asks for equal ones.
     """
     _check(tpgmm, frames)
+    inputs = finite_array("inputs", inputs)
+    if inputs.ndim not in (1, 2) or not inputs.size:
+        raise ArgumentError(f"inputs have shape {inputs.shape}; give (T, {len(given)}), T >= 1")
     if order == "product":
         lifted = [
             frame if frame is None or frame.local_dim == d else _lift(frame, given)

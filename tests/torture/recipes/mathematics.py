@@ -183,7 +183,7 @@ def _learning(book: Book) -> None:
     add(
         "fit_tp_gmm",
         tp.fit_tp_gmm,
-        words=("observation",),
+        words=("observation", "sample"),
         demonstrations=DEMONSTRATIONS,
         components=2,
         covariance="full",
@@ -196,7 +196,7 @@ def _learning(book: Book) -> None:
     add(
         "fit_tp_gmm",
         tp.fit_tp_gmm,
-        words=("observation",),
+        words=("observation", "sample"),
         demonstrations=PATHS,
         components=2,
         covariance=tp.HDDC(1),
@@ -204,7 +204,7 @@ def _learning(book: Book) -> None:
     add(
         "update_tp_gmm",
         tp.update_tp_gmm,
-        words=("observation",),
+        words=("observation", "sample"),
         model=TPGMM,
         demonstrations=TIMED[:1],
         **_signature_of_update(),
@@ -217,7 +217,14 @@ def _learning(book: Book) -> None:
         history=np.array([1.0, 2.0]),
         samples=10,
     )
-    add("TPGMM.adapt", PLACES.adapt, frames=FRAMES, ridge=1e-4, prior=GAUSSIAN)
+    add(
+        "TPGMM.adapt",
+        PLACES.adapt,
+        words=("frames lead", "covariance"),
+        frames=FRAMES,
+        ridge=1e-4,
+        prior=GAUSSIAN,
+    )
     for method in ("log_joint", "log_likelihood", "responsibilities"):
         add(
             f"TPGMM.{method}",
@@ -245,6 +252,7 @@ def _learning(book: Book) -> None:
     add(
         "fit_pgmm",
         tp.fit_pgmm,
+        words=("component", "sample"),
         sequences=PATHS,
         components=2,
         rng=0,
@@ -389,19 +397,41 @@ def _hidden(book: Book) -> None:
         add(
             name,
             fit,
-            words=("data", "sample", "demonstration"),
+            words=("data", "sample", "demonstration", "component"),
             sequences=DEMONSTRATIONS,
             components=2,
             topology="any",
         )
     add("HMM", tp.HMM, chain=CHAIN, emissions=HMM.emissions, history=np.array([1.0]))
     add("HSMM", tp.HSMM, chain=SEMI, emissions=HMM.emissions, history=np.array([1.0]))
-    add("HiddenStates.adapt", TPHMM.adapt, frames=FRAMES, ridge=1e-4, prior=GAUSSIAN)
+    add(
+        "HiddenStates.adapt",
+        TPHMM.adapt,
+        words=("frames lead", "covariance"),
+        frames=FRAMES,
+        ridge=1e-4,
+        prior=GAUSSIAN,
+    )
     for method in ("forward", "log_densities", "log_likelihood", "responsibilities", "viterbi"):
         for model in (HMM, HSMM):
-            add(f"HiddenStates.{method}", getattr(model, method), observations=PATHS[0])
-        add(f"HiddenStates.{method}", getattr(TPHMM, method), observations=DEMONSTRATIONS[0])
-        add(f"HiddenStates.{method}", getattr(TPHMM, method), observations=[PATHS[0], PATHS[1]])
+            add(
+                f"HiddenStates.{method}",
+                getattr(model, method),
+                words=("demonstration",),
+                observations=PATHS[0],
+            )
+        add(
+            f"HiddenStates.{method}",
+            getattr(TPHMM, method),
+            words=("demonstration",),
+            observations=DEMONSTRATIONS[0],
+        )
+        add(
+            f"HiddenStates.{method}",
+            getattr(TPHMM, method),
+            words=("demonstration",),
+            observations=[PATHS[0], PATHS[1]],
+        )
     for model, chain in ((HMM, CHAIN), (HSMM, SEMI)):
         owner = type(chain).__name__
         add("HiddenStates.sample_states", model.sample_states, steps=5, rng=0)
@@ -484,7 +514,7 @@ def _retrieval(book: Book) -> None:
         order="regression",
     )
     add("TPGMR", tp.TPGMR, model=TPGMM, times=TIME, order="regression", errors={1: 0.5})
-    add("TPGMR.__call__", TPGMR.__call__, frames=FRAMES)
+    add("TPGMR.__call__", TPGMR.__call__, words=("covariance", "noise"), frames=FRAMES)
     add(
         "fit_tp_trajectory",
         tp.fit_tp_trajectory,
@@ -501,11 +531,11 @@ def _retrieval(book: Book) -> None:
         scale=1.0,
         errors={1: 0.5},
     )
-    add("TPTrajectory.__call__", TPTRAJECTORY.__call__, frames=FRAMES)
+    add("TPTrajectory.__call__", TPTRAJECTORY.__call__, words=("covariance",), frames=FRAMES)
     add(
         "fit_movement",
         tp.fit_movement,
-        words=("component", "sample", "covariance"),
+        words=("component", "sample", "covariance", "scale"),
         demonstrations=DEMONSTRATIONS,
     )
     covariances = np.tile(np.eye(6), (4, 1, 1))
@@ -539,6 +569,7 @@ def _retrieval(book: Book) -> None:
     add(
         "fit_trajectory_distribution",
         tp.fit_trajectory_distribution,
+        words=("demonstration",),
         trajectories=np.stack(PATHS),
         modes=2,
         noise=0.1,
@@ -546,6 +577,7 @@ def _retrieval(book: Book) -> None:
     add(
         "fit_trajectory_distribution",
         tp.fit_trajectory_distribution,
+        words=("demonstration",),
         trajectories=DEMONSTRATIONS,
         modes=2,
     )
@@ -577,7 +609,7 @@ def _retrieval(book: Book) -> None:
         noise=0.1,
     )
     add("TPTrajectoryDistribution", tp.TPTrajectoryDistribution, frames=list(TPDISTRIBUTION.frames))
-    add("TPTrajectoryDistribution.adapt", TPDISTRIBUTION.adapt, frames=FRAMES)
+    add("TPTrajectoryDistribution.adapt", TPDISTRIBUTION.adapt, words=("noise",), frames=FRAMES)
     options = {"width": 0.2, "ridge": 1e-6, "weight_ridge": 1e-6, "noise": 1e-3}
     add("fit_promp", tp.fit_promp, words=("demonstration",), trajectories=PATHS, count=3, **options)
     add("fit_promp", tp.fit_promp, words=("demonstration",), trajectories=DEMONSTRATIONS, count=3)
@@ -586,12 +618,19 @@ def _retrieval(book: Book) -> None:
     add("ProMP.distribution", PROMP.distribution, steps=5)
     add("ProMP.distribution", PROMP.distribution, steps=np.array([0.1, 0.5]))
     add("TPProMP", tp.TPProMP, frames=list(TPPROMP.frames))
-    add("TPProMP.adapt", TPPROMP.adapt, frames=FRAMES)
+    add("TPProMP.adapt", TPPROMP.adapt, words=("noise",), frames=FRAMES)
     add("radial_basis", tp.radial_basis, steps=5, count=3, width=0.2)
     add("radial_basis", tp.radial_basis, steps=np.array([0.1, 0.5]), count=3)
     add("Motion", tp.Motion, position=PATHS[0], velocity=PATHS[1], acceleration=PATHS[2])
-    add("Motion.of", tp.Motion.of, position=PATHS[0], dt=0.1)
-    add("Motion.of", tp.Motion.of, position=PATHS[0], dt=TIME, takes={"dt": DATES})
+    add("Motion.of", tp.Motion.of, words=("velocity", "acceleration"), position=PATHS[0], dt=0.1)
+    add(
+        "Motion.of",
+        tp.Motion.of,
+        words=("velocity", "acceleration"),
+        position=PATHS[0],
+        dt=TIME,
+        takes={"dt": DATES},
+    )
     add("attractor_path", tp.attractor_path, motion=MOTION, stiffness=20.0, damping=9.0)
     add("decay", tp.decay, steps=5, dt=0.1, rate=1.0)
     add(

@@ -1,5 +1,6 @@
 """Good calls of ``tpsim.data`` and ``tpsim.plot``: recordings and pictures."""
 
+import os
 import tempfile
 from pathlib import Path
 
@@ -155,6 +156,20 @@ def _files(book: Book) -> None:
         )
     add("data.write_csv", data.write_csv, path=Made(lambda: _new("csv")), items=[TRIAL])
     add("data.write", data.write, path=Made(lambda: _new("npz")), items=[ONE])
+
+
+def _in_new_folder(write):
+    """Relative names are names in a folder of their own."""
+
+    def call(**given):
+        before = Path.cwd()
+        os.chdir(tempfile.mkdtemp(dir=FOLDER))
+        try:
+            return write(**given)
+        finally:
+            os.chdir(before)
+
+    return call
 
 
 def _new(ending: str) -> str:

@@ -7,6 +7,7 @@ to a tuple. All else is an ArgumentError that names the argument. Inner loops do
 """
 
 import inspect
+import re
 import sys
 import types
 from collections.abc import Callable, Iterable, Mapping
@@ -73,6 +74,8 @@ Duration = Annotated[float, Range(above=0, most=1e6)]
 """[s], up to eleven days."""
 Moment = Annotated[float, Range(least=0, most=1e6)]
 """[s] since the start."""
+Endless = Annotated[float, Range(endless=True)]
+"""A number, or infinity."""
 Count = Annotated[int, Range(least=1)]
 Steps = Annotated[int, Range(least=1, most=1e6)]
 Number = Annotated[int, Range(least=0)]
@@ -109,11 +112,12 @@ def checked(value: object) -> None:
 
     Arrays are copied, and read-only from then on.
     """
-    readers = _readers_of(type(value))
+    kind = type(value)
+    readers, owner = _readers_of(kind), re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind.__name__).lower()
     for field in fields(value):  # type: ignore[arg-type]
         if field.name in readers:
             given = getattr(value, field.name)
-            found = _kept(readers[field.name](field.name, given))
+            found = _kept(readers[field.name](f"{owner} {field.name}", given))
             if found is not given:
                 object.__setattr__(value, field.name, found)
 

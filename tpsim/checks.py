@@ -30,6 +30,7 @@ Seed = int | np.random.Generator | None
 
 MOST = 10**9  # as many of anything nobody means
 LARGEST_SEED = 2**128
+NO_LISTS = str | bytes | bytearray | Mapping | Set  # text, and what has no order
 ROOM = 2**27  # numbers in an array: one gibibyte
 LONGEST_NAME = 1000  # letters in the path of a file
 SMALLEST = 1e-150  # number whose square is still there
@@ -162,7 +163,7 @@ def flag(name: str, value: object) -> bool:
 
 def whole(name: str, value: object, least: int = 0, hint: str = "", most: int = MOST) -> int:
     """Whole number from ``least`` upwards, to ``most``."""
-    if isinstance(value, int | np.integer) and not isinstance(value, bool):
+    if isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64):
         if value > most:
             raise ArgumentError(f"{name} is too large; allowed are whole numbers up to {most}")
         if value >= least:
@@ -241,7 +242,7 @@ def entries(name: str, value: object, *, tables: bool = True) -> list[object]:
 
 def _items(name: str, value: object, wanted: str) -> list[object]:
     """Items of what has an order; text, a mapping and a set are no sequences."""
-    if isinstance(value, Iterable) and not isinstance(value, str | bytes | Mapping | Set):
+    if isinstance(value, Iterable) and not isinstance(value, NO_LISTS):
         try:
             return list(value)
         except Exception:  # whatever a foreign object, or an array without axes, raises

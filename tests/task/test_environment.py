@@ -218,7 +218,7 @@ def test_a_wild_state_ends_the_episode():
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"action": "voltage"}, "choose one of torque, impedance"),
+        ({"action": "voltage"}, "give 'torque' or 'impedance'"),
         ({"duration": 0.0}, "duration is 0.0"),
         ({"control_timestep": np.nan}, "control_timestep is nan"),
         ({"control_timestep": 0.0015}, "give a multiple of the time step"),

@@ -66,7 +66,8 @@ INSIDE = {
     ),
     **dict.fromkeys(
         [f"lab.{name}" for name in ("Impedance", "Impedance.of_modes", "Objects", "Pose", "Robot",
-         "Robot.of", "Robot.compute_bias", "Robot.compute_jacobian", "Robot.compute_mass",
+         "Robot.of", "Grip.wrench",
+         "Robot.compute_bias", "Robot.compute_jacobian", "Robot.compute_mass",
          "Robot.compute_pose", "Seen", "Simulation", "Simulation.apply_wrench", "Simulation.step",
          "State")],
         "made or called at every time step: holds what it is given, unchecked",

@@ -93,6 +93,10 @@ class FiniteHorizon(RenewedImpedance):
         self.objects, self.movements, self.posture = tuple(objects), tuple(movements), posture
         self.joints, self.site, self.dt, self.effort = tuple(joints), site, dt, effort
         self._robot = robot
+        if not joints or not movements:
+            raise ArgumentError("joints and movements: give at least one of each")
+        if joints[0] not in robot.joints:
+            raise ArgumentError(f"joints are {joints}; the robot has {robot.joints}")
         first = robot.joints.index(joints[0])
         self._arm = slice(first, first + len(joints))
         if robot.joints[self._arm] != tuple(joints):

@@ -143,9 +143,7 @@ class Recording:
             values = series.values(name)
             if values is not None:
                 return series, values
-        raise RecordingError(
-            f"{self.source}: there is no column of the name {shown(name)}; {self.known(name)}"
-        )
+        raise RecordingError(f"{self.source}: there is no column {shown(name)}; {self.known(name)}")
 
     @border
     def has(self, name: Name) -> bool:

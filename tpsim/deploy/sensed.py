@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.border import read
-from tpsim.checks import number
+from tpsim.checks import entries, finite_array, number
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.objects import Objects
@@ -80,9 +80,13 @@ def _objects(given: Mapping[str, Seen]) -> Objects:
 
 def _checked(name: str, seen: Seen) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
     if isinstance(seen, Pose):
-        parts: list[np.ndarray] = [np.asarray(seen.position), seen.quaternion]
+        known = seen.checked(f"objects[{name!r}]")
+        parts: list[np.ndarray] = [known.position, known.quaternion]
     else:
-        parts = [np.asarray(part, float) for part in seen]
+        parts = [
+            finite_array(f"objects[{name!r}]", part)
+            for part in entries("objects", seen, tables=False)
+        ]
     shapes = [part.shape for part in parts]
     if shapes not in ([(3,), (4,)], [(3,), (4,), (6,)]):
         raise ArgumentError(

@@ -132,7 +132,7 @@ class Clip:
         if np.ndim(self.time) != 1 or length == 0 or (np.diff(self.time) <= 0).any():
             raise ArgumentError("time of a clip: give one row of increasing seconds")
         tails: list[tuple[str, np.ndarray, tuple[tuple[int, ...], ...]]]
-        tails = [("time", self.time, ((),)), ("q", self.q, ((np.shape(self.q)[-1],),))]
+        tails = [("time", self.time, ((),)), ("q", self.q, (np.shape(self.q)[1:2],))]
         tails += [("trace", trace, ((3,),)) for trace in self.traces]
         for arrow in self.arrows:
             tails += [("point", arrow.point, ((3,),)), ("force", arrow.force, ((3,),))]

@@ -186,7 +186,7 @@ def fit_pgmm(
     if task_ridge is not None:
         task_ridge = number("task_ridge", task_ridge, least=0)
     bound("tolerance", tolerance)
-    whole("max_iterations", max_iterations)
+    max_iterations = whole("max_iterations", max_iterations)
     single = isinstance(sequences, Demonstration)
     given: list[object] = [sequences] if single else entries("sequences", sequences)
     arrays, Q = _checked(given, parameters)

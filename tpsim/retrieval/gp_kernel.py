@@ -39,7 +39,7 @@ class SquaredExponential(Part):
             value = finite_array(name, getattr(self, name))
             if value.ndim > 1 or (not (value > 0).all() and (name != "noise" or (value < 0).any())):
                 raise ArgumentError(
-                    f"{name} is {shown(getattr(self, name))}; variance and length must be positive, "
+                    f"{name} is {shown(value)}; variance and length must be positive, "
                     "noise not negative: numbers, or one for every output"
                 )
             shapes.add(value.shape)

@@ -55,7 +55,7 @@ def derivative_operator(
     from scipy.sparse import coo_array, eye_array, kron
 
     dt = _check_grid(steps, dt, derivatives, differences)
-    whole("dim", dim, least=1)
+    dim = whole("dim", dim, least=1)
     order = derivatives + 1
     windows = _windows(steps, dt, order, differences)
     start = np.arange(steps) - (order - 1 if differences == "backward" else 0)
@@ -274,7 +274,7 @@ def _check_grid(steps: int, dt: float, derivatives: int, differences: str) -> fl
 def _check_statistics(
     means: ArrayLike, covariances: ArrayLike, derivatives: int
 ) -> tuple[NDArray, NDArray]:
-    whole("derivatives", derivatives)
+    derivatives = whole("derivatives", derivatives)
     means, covariances = finite_array("means", means), felt("covariances", covariances)
     if means.ndim != 2 or covariances.shape != (*means.shape, means.shape[-1]):
         raise ArgumentError(

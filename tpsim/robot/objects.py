@@ -64,10 +64,10 @@ class Objects(Mapping[str, Moving]):
         self.positions, self.quaternions, self.twists = positions, quaternions, twists
 
     @classmethod
-    def of(cls, poses: Mapping[str, Pose]) -> "Objects":
+    def of(cls, poses: Mapping[str, Pose], name: str = "poses") -> "Objects":
         """Objects at rest at these poses."""
-        read("poses", poses, Mapping[str, Pose])
-        known = [pose.checked(f"poses[{name!r}]") for name, pose in poses.items()]
+        read(name, poses, Mapping[str, Pose])
+        known = [pose.checked(f"{name}[{key!r}]") for key, pose in poses.items()]
         positions = np.array([pose.position for pose in known], float).reshape(-1, 3)
         turned = [pose.quaternion for pose in known]
         rows = {name: row for row, name in enumerate(poses)}
@@ -96,7 +96,7 @@ class Objects(Mapping[str, Moving]):
     def _look(self, name: str) -> Moving:
         if not isinstance(name, str) or name not in self._rows:
             raise SimulationError(
-                f"there is no object of the name {shown(name)} in the scene; it has "
+                f"there is no object {shown(name)} in the scene; it has "
                 f"{sorted(self._rows) or 'none'}"
             )
         row = self._rows[name]

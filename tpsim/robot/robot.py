@@ -207,15 +207,18 @@ class Robot:
         q, dq = self.posture("q", q), np.zeros(self.n) if dq is None else self.posture("dq", dq)
         x = np.concatenate((q, dq))
         x.flags.writeable = False
-        known = objects if isinstance(objects, Objects) else Objects.of(objects)
+        known = objects if isinstance(objects, Objects) else Objects.of(objects, "objects")
         return State(self, x, known, number("time", time))
 
     def posture(self, name: str, q: ArrayLike) -> np.ndarray:
         """One finite number for each joint (n,), or an ArgumentError that calls it ``name``."""
-        found = finite_array(name, q)
+        try:
+            found = finite_array(name, q)
+        except ArgumentError as error:
+            raise ArgumentError(f"{error}; give {self.n} finite numbers") from None
         if found.shape != (self.n,):
             raise ArgumentError(
-                f"{name} has shape {found.shape}; the robot has {self.n} joints, {self.joints}"
+                f"{name} has shape {found.shape}; give {self.n} finite numbers, one for each joint"
             )
         return found
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.border import border, checked
+from tpsim.border import Endless, border, checked
 from tpsim.errors import ArgumentError
 from tpsim.robot.views.view import View
 from tpsim.study.record import Record, Records
@@ -74,7 +74,7 @@ class Measure:
     controller: str | None = "learned"
     reduce: Callable[[np.ndarray], float] = np.max
     across: Callable[[Sequence[float]], float] = max
-    window: tuple[float, float] | None = None
+    window: tuple[float, Endless] | None = None
     limit: float | None = None
     at_least: bool = False
     title: str = ""

@@ -5,11 +5,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Annotated, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
-from tpsim.border import Number, Positive, Range, border, checked
+from tpsim.border import Endless, Number, Positive, border, checked
 from tpsim.checks import instance
 from tpsim.demonstration import Demonstration
 from tpsim.errors import SimulationError
@@ -77,9 +77,6 @@ class Behaviour:
     teacher: Teacher
     fit: Fit = field(default=partial(fit_tp_gmm, components=1))
 
-    def __post_init__(self) -> None:
-        checked(self)
-
 
 @dataclass(frozen=True)
 class Goal:
@@ -97,7 +94,7 @@ class Goal:
     view: View
     within: Positive
     since: float = 0.0
-    until: Annotated[float, Range(endless=True)] = np.inf
+    until: Endless = np.inf
 
     def __post_init__(self) -> None:
         checked(self)

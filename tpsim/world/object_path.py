@@ -48,14 +48,13 @@ class ObjectPath:
     times: tuple[float, ...] = (0.0,)
     quaternions: tuple[tuple[float, float, float, float], ...] | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         read("name", self.name, str)
-        positions, times = (
-            finite_array("positions", self.positions),
-            finite_array("times", self.times),
-        )
+        label = f"object '{self.name}': "
+        positions = finite_array(f"{label}positions", self.positions)
+        times = finite_array(f"{label}times", self.times)
         turned = (UPRIGHT,) * times.size if self.quaternions is None else self.quaternions
-        turned = finite_array("quaternions", turned)
+        turned = finite_array(f"{label}quaternions", turned)
         count = times.size
         shapes = times.shape, positions.shape, turned.shape
         if not count or shapes != ((count,), (count, 3), (count, 4)):

@@ -55,11 +55,14 @@ class Simulation:
             A posture of another shape, not finite, or outside the joint limits.
         """
         robot = self.robot
-        q = robot.posture("q", q)
+        try:
+            q = robot.posture("q", q)
+        except ArgumentError as error:
+            raise SimulationError(f"the start posture {error}") from None
         outside = (q < robot.lower) | (q > robot.upper)
         if outside.any():
             names = [robot.joints[i] for i in np.flatnonzero(outside)]
-            raise SimulationError(f"the start posture is outside the limits of {names}")
+            raise SimulationError(f"the start posture q is outside the limits of {names}")
         mujoco.mj_resetData(self.model, self.data)
         for joint, angle in robot.description.fixed.items():
             self.data.qpos[self.model.joint(joint).qposadr[0]] = angle
@@ -98,7 +101,7 @@ class Simulation:
             bodies = [self.model.body(b).name for b in range(1, self.model.nbody)]
             sites = [self.model.site(s).name for s in range(self.model.nsite)]
             raise SimulationError(
-                f"no body or site of the name {shown(name)} in the scene; it has bodies {bodies} "
+                f"no body or site {shown(name)} in the scene; it has bodies {bodies} "
                 f"and sites {sites}"
             )
         R = np.empty(9)

@@ -69,8 +69,7 @@ class Trial:
         """Return the signal called ``name``."""
         if not isinstance(name, str) or name not in self.arrays:
             raise ArgumentError(
-                f"the trial has no signal of the name {shown(name)}; it has "
-                f"{', '.join(sorted(self.arrays))}"
+                f"the trial has no signal {shown(name)}; it has {', '.join(sorted(self.arrays))}"
             )
         return self.arrays[name]
 

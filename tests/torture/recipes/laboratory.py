@@ -105,7 +105,7 @@ def _robot(book: Book) -> None:
     for method in ("jacobian", "pose", "twist"):
         add(f"lab.State.{method}", getattr(STATE, method), site="tip")
     add("lab.Objects.of", Objects.of, poses=OBJECTS)
-    add("lab.Objects.__getitem__", STATE.objects.__getitem__, name="mark")
+    add("lab.Objects.__getitem__", STATE.objects.__getitem__, words=("object",), name="mark")
     add(
         "lab.reach",
         lab.reach,
@@ -158,6 +158,7 @@ def _views(book: Book) -> None:
         first=VIEW,
         origin=START,
         joints_free=("elbow",),
+        words=("free",),
         damping=0.01,
     )
     add("lab.Beneath", Beneath, second=joints, first=(VIEW,), bend=0.5, damping=0.01)
@@ -221,7 +222,12 @@ def _worlds(book: Book) -> None:
     )
     add("lab.Plant.model", lab.Plant(mass=0.1).model, nominal=WORLD.model, robot=ROBOT)
     simulation = WORLD.simulation
-    add("lab.Simulation.attachment", lambda name: simulation().attachment(name), name="tip")
+    add(
+        "lab.Simulation.attachment",
+        lambda name: simulation().attachment(name),
+        words=("site",),
+        name="tip",
+    )
     add("lab.Simulation.reset", lambda q: simulation().reset(q), q=START)
     add(
         "lab.rollout",
@@ -245,8 +251,8 @@ def _worlds(book: Book) -> None:
         touched="",
         keeps=("arrays",),
     )
-    add("lab.Trial.__getitem__", TRIAL.__getitem__, name="q")
-    add("lab.Trial.pose", TRIAL.pose, name="mark")
+    add("lab.Trial.__getitem__", TRIAL.__getitem__, words=("signal",), name="q")
+    add("lab.Trial.pose", TRIAL.pose, words=("signal",), name="mark")
     add("lab.Trial.with_about", TRIAL.with_about, outcome="done")
     add(
         "lab.ObjectPath",
@@ -272,14 +278,6 @@ def _people(book: Book) -> None:
     grip = {"stiffness": 400.0, "damping": 40.0, "angular_stiffness": 60.0, "angular_damping": 2.5,
             "max_force": 60.0, "max_torque": 8.0}  # fmt: skip
     add("lab.Grip", lab.Grip, **grip)
-    add(
-        "lab.Grip.wrench",
-        lab.Grip().wrench,
-        pose=POSE,
-        twist=np.ones(6),
-        wanted_pose=POSE,
-        wanted_twist=np.zeros(6),
-    )
     add(
         "lab.HandPath",
         HandPath,
@@ -337,6 +335,7 @@ def _people(book: Book) -> None:
     add(
         "lab.script",
         lab.script,
+        words=("seconds", "times", "step"),
         rotations=np.tile(np.eye(3), (3, 1, 1)),
         positions=np.arange(9.0).reshape(3, 3),
         seconds=0.1,
@@ -347,6 +346,7 @@ def _people(book: Book) -> None:
     add(
         "lab.straight",
         lab.straight,
+        words=("seconds", "times", "step"),
         origin=(0.3, 0.2, 0.0),
         travel=(0.0, 0.01, 0.0),
         seconds=0.1,
@@ -356,6 +356,7 @@ def _people(book: Book) -> None:
     add(
         "lab.through",
         lab.through,
+        words=("seconds", "times", "step"),
         times=np.array([0.0, 0.1]),
         postures=np.ones((2, 2)),
         timestep=0.002,
@@ -398,6 +399,7 @@ def _control(book: Book) -> None:
     add(
         "lab.TimedIntervention",
         lab.TimedIntervention,
+        words=("every",),
         skill=_timed_skill(),
         effort=0.05,
         until=0.3,
@@ -435,7 +437,16 @@ def _timed_skill() -> lab.Skill:
 
 def _tasks(book: Book) -> None:
     add = book.add
-    add("lab.Behaviour", lab.Behaviour, views=dict(SKILL.views), teacher=TASK.lesson, fit=len)
+    add(
+        "lab.Behaviour",
+        lab.Behaviour,
+        views=dict(SKILL.views),
+        teacher=TASK.lesson,
+        fit=len,
+        keeps=("views",),
+        infinite=True,
+        free=("views", "teacher", "fit"),
+    )
     add("lab.Goal", lab.Goal, view=VIEW, within=0.01, since=0.0, until=1.0, infinite=True)
     add(
         "lab.Situation",
@@ -551,7 +562,7 @@ def _studies(book: Book) -> None:
         models=dict(MODELS),
         all=RECORDS,
     )
-    add("lab.Record.__getitem__", RECORDS[0].__getitem__, name="q")
+    add("lab.Record.__getitem__", RECORDS[0].__getitem__, words=("signal",), name="q")
     add("lab.Record.beside", RECORDS[0].beside, label="unpushed", controller=None)
     add("lab.Record.see", RECORDS[0].see, view=VIEW)
     add("lab.Records", lab.Records, task=TASK, models=dict(MODELS), trials=[(CONDITION, TRIAL)])

@@ -135,7 +135,7 @@ def _files(book: Book) -> None:
         clock=False,
     )
     for method in ("find", "has", "known"):
-        add(f"data.Recording.{method}", getattr(RECORDING, method), name="x")
+        add(f"data.Recording.{method}", getattr(RECORDING, method), words=("column",), name="x")
     add("data.frames_from", data.frames_from, recording=RECORDING, columns=COLUMNS)
     add("data.poses_in", data.poses_in, recording=RECORDING)
     add(

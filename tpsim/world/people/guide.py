@@ -31,7 +31,8 @@ class HandPath:
 
     def __post_init__(self) -> None:
         checked(self)
-        steps, shapes = len(self.position), [array.shape for array in vars(self).values()]
+        steps = len(np.atleast_1d(self.position))
+        shapes = [array.shape for array in vars(self).values()]
         if shapes != [(steps, 3), (steps, 3, 3), (steps, 3), (steps, 3)]:
             raise ArgumentError(
                 f"position, rotation, velocity and angular_velocity have shapes {shapes}; give "

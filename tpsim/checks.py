@@ -8,7 +8,7 @@ was given, what is allowed and, in an array, where the first offence is.
 from collections.abc import Collection, Iterable, Mapping, Set
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TypeVar
+from typing import TypeVar, cast
 
 import numpy as np
 
@@ -188,7 +188,7 @@ def affordable(name: str, count: object, each: int = 1, least: int = 1) -> int:
 def picked(array: np.ndarray, index: object) -> np.ndarray:
     """Part of an array; an ItemError where the index means nothing."""
     try:
-        found: np.ndarray = array[index]  # type: ignore[index]
+        found: np.ndarray = array[cast(int, index)]
     except Exception as error:  # whatever numpy, or a foreign object, raises
         raise ItemError(f"index is {shown(index)}; {' '.join(str(error).split())[:200]}") from None
     return found
@@ -278,8 +278,9 @@ def generator(name: str, rng: Seed, default: int | None = None) -> np.random.Gen
         return rng
     seed = default if rng is None else rng
     right = isinstance(seed, int | np.integer) and not isinstance(seed, bool)
-    if not right or not 0 <= seed < LARGEST_SEED:
+    number_of_it = int(cast(int, seed)) if right else -1
+    if not 0 <= number_of_it < LARGEST_SEED:
         raise ArgumentError(
             f"{name} is {shown(rng)}; give a numpy Generator or a seed, an int from 0 below 2^128"
         )
-    return np.random.default_rng(int(seed))
+    return np.random.default_rng(number_of_it)

@@ -21,7 +21,7 @@ from tpsim.checks import (
     stamps,
 )
 from tpsim.errors import ArgumentError
-from tpsim.frame import Frame
+from tpsim.frame import Frame, as_before
 from tpsim.timeline import differentiate, interpolate, new_times
 
 
@@ -253,12 +253,4 @@ def _check_observations(
 def _resampled(frame: Frame, at) -> Frame:
     if not frame.shape:
         return frame
-    A = at(frame.A)
-    if _orthonormal(frame.A):
-        U, _, Vt = np.linalg.svd(A, full_matrices=False)
-        A = U @ Vt
-    return Frame.trusted(A, at(frame.b))
-
-
-def _orthonormal(A: np.ndarray) -> bool:
-    return bool(np.allclose(A.mT @ A, np.eye(A.shape[-1]), atol=1e-6))
+    return Frame.trusted(as_before(at(frame.A), frame.A), at(frame.b))

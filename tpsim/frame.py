@@ -146,6 +146,14 @@ def frames_or_none(name: str, frames: object) -> list[Frame | None]:
     ]
 
 
+def as_before(A: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """The nearest orthonormal matrices (..., D, d), where they were orthonormal before a change."""
+    if not np.allclose(before.mT @ before, np.eye(before.shape[-1]), atol=1e-6):
+        return A
+    U, _, Vt = np.linalg.svd(A, full_matrices=False)
+    return U @ Vt
+
+
 def pseudoinverse(A: np.ndarray) -> np.ndarray:
     """Pseudo-inverse of (..., D, d), the plain inverse where A is square and well conditioned."""
     inverse = plain_inverse(A)

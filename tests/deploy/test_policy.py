@@ -213,7 +213,7 @@ def test_the_scene_in_the_folder_opens_in_mujoco(learned, folder_of):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"q": np.zeros(2)}, "q has shape (2,) and dq (3,); the robot has 3 joints"),
+        ({"q": np.zeros(2)}, "q has shape (2,); the robot has 3 joints"),
         ({"dq": [0, np.nan, 0]}, "the state of joint 'joint2' is not finite"),
         ({"q": [np.inf, 0, 0]}, "the state of joint 'joint1' is not finite"),
         ({"time": np.nan}, "time is nan s"),

@@ -12,7 +12,7 @@ from tpsim.checks import affordable
 from tpsim.data.motion import is_even, is_moving, part, step_of
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
-from tpsim.frame import Frame
+from tpsim.frame import Frame, as_before
 from tpsim.learning.dtw import align
 
 Rate = Annotated[float, Range(above=0)]
@@ -176,7 +176,7 @@ def _filtered(demonstration: Demonstration, width: int, order: int) -> Demonstra
         return savgol_filter(values, width, order, axis=0)
 
     frames = [
-        Frame(_like(smooth(frame.A), frame.A), smooth(frame.b)) if frame.shape else frame
+        Frame(as_before(smooth(frame.A), frame.A), smooth(frame.b)) if frame.shape else frame
         for frame in demonstration.frames
     ]
     observations = tuple(smooth(o) for o in demonstration.observations)
@@ -198,11 +198,3 @@ def _observations(before: Demonstration, after: Demonstration) -> tuple[np.ndarr
         else after.observations[j]
         for j, (old, seen, frame) in enumerate(views)
     )
-
-
-def _like(A: np.ndarray, before: np.ndarray) -> np.ndarray:
-    """The nearest orthonormal matrices, where they were orthonormal before."""
-    if not np.allclose(before.mT @ before, np.eye(before.shape[-1]), atol=1e-6):
-        return A
-    U, _, Vt = np.linalg.svd(A, full_matrices=False)
-    return U @ Vt

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.border import Positive, border, read
-from tpsim.checks import instance, path
+from tpsim.checks import path
 from tpsim.deploy import folder as files
 from tpsim.deploy.cartesian import CartesianLimits, HandFilter, HandImpedance
 from tpsim.deploy.sensed import Seen, objects_in, sensed
@@ -59,7 +59,7 @@ class Policy:
         from tpsim.deploy.making import recipe_for
         from tpsim.task.task import Models, Situation, Task
 
-        instance("task", task, Task)
+        read("task", task, Task)
         models = read("models", models, Models)
         read("situation", situation, Situation | None)
 

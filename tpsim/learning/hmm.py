@@ -20,7 +20,7 @@ from tpsim.gaussian import Gaussian
 from tpsim.learning.em import Mixture, maximise, project, regularisation
 from tpsim.learning.fit import Seen, Start, seen_as_data, seen_by_frames
 from tpsim.learning.gmm import GMM, fit_gmm, log_priors
-from tpsim.learning.markov import MarkovChain
+from tpsim.learning.markov import MarkovChain, Topology
 from tpsim.learning.semi_markov import SemiMarkovChain
 from tpsim.learning.statistics import Samples
 from tpsim.learning.subspace import Structure, structure_of
@@ -86,18 +86,14 @@ class HiddenStates(Stored):
         emissions = self.emissions
         if isinstance(observations, Demonstration):
             check_even("demonstration", [observations.time])
-            if isinstance(emissions, TPGMM):
-                joint = emissions.log_joint(observations)
-            else:
-                joint = emissions.log_joint(matrix("data", observations.data, emissions.dim))
-        elif isinstance(emissions, TPGMM):
+            observations = observations if isinstance(emissions, TPGMM) else observations.data
+        if isinstance(emissions, TPGMM):
             joint = emissions.log_joint(observations)
         else:
             joint = emissions.log_joint(matrix("observations", observations, emissions.dim))
         if not np.abs(joint).max() < FARTHEST:
             raise ArgumentError(
-                "observations lie so far from all states that rounding decides between them; give "
-                "them in the unit and from the origin of the data"
+                "observations lie so far from all states that rounding decides; check unit and origin"
             )
         return joint - log_priors(emissions.priors)
 
@@ -148,7 +144,7 @@ def fit_hmm(
     sequences: Sequences,
     components: int,
     *,
-    topology: str = "left-right",
+    topology: Topology = "left-right",
     covariance: str | Structure = "full",
     start: Start | Emissions = None,
     ridge: float | None = None,
@@ -205,9 +201,9 @@ def fit_hmm(
 def fit_states(
     sequences: Sequences,
     components: int,
-    chain_of: Callable[[int, str, float], Chain],
+    chain_of: Callable[[int, Topology, float], Chain],
     *,
-    topology: str,
+    topology: Topology,
     covariance: str | Structure,
     start: Start | Emissions,
     ridge: float | None,

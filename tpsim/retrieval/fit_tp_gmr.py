@@ -18,7 +18,7 @@ from tpsim.learning.shrinkage import shrink_directions
 from tpsim.learning.subspace import Structure
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.retrieval.clock import on_one_clock
-from tpsim.retrieval.distribution import fuse_frames
+from tpsim.retrieval.fusion import fuse_frames
 from tpsim.retrieval.gmr import gmr
 from tpsim.retrieval.left_out import choose_components
 from tpsim.retrieval.tp_gmr import Order, tp_gmr

@@ -15,8 +15,8 @@ from tpsim.learning.gmm import GMM
 from tpsim.learning.shrinkage import shrink_directions
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.retrieval.clock import on_one_clock
-from tpsim.retrieval.distribution import fuse_frames
 from tpsim.retrieval.fit_tp_gmr import numbers_of
+from tpsim.retrieval.fusion import fuse_frames
 from tpsim.retrieval.gmr import gmr
 from tpsim.retrieval.left_out import choose_components, left_out_scale
 from tpsim.retrieval.trajectory import trajectory

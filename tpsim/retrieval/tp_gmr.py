@@ -26,7 +26,7 @@ from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian, add_ridge, match_moments
 from tpsim.learning.gmm import GMM
 from tpsim.learning.tp_gmm import TPGMM
-from tpsim.retrieval.distribution import fuse_frames
+from tpsim.retrieval.fusion import fuse_frames
 from tpsim.retrieval.gmr import Regression, gmr
 
 Order = Literal["regression", "product", "held"]

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import mujoco
 import numpy as np
 
-from tpsim.checks import finite_array
+from tpsim.checks import finite_array, shown
 from tpsim.errors import ArgumentError
 
 Home = Mapping[str, float] | Sequence[float] | np.ndarray | None
@@ -75,6 +75,12 @@ def rest(model: mujoco.MjModel, known: Mapping[str, float]) -> dict[str, float]:
     return positions
 
 
+def put(model: mujoco.MjModel, qpos: np.ndarray, positions: Mapping[str, float]) -> None:
+    """Write positions of hinges and slides by name, rad or m, into a qpos of the model."""
+    for name, position in positions.items():
+        qpos[model.joint(name).qposadr[0]] = position
+
+
 def scalar_joints(model: mujoco.MjModel) -> dict[str, int]:
     """Return the ids of the hinges and slides by name."""
     kinds = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
@@ -101,7 +107,12 @@ def _given(model: mujoco.MjModel, joints: Sequence[str], home: Home) -> dict[str
     if home is None:
         return {}
     named = home if isinstance(home, Mapping) else None
-    values = finite_array("home", list(home.values()) if isinstance(home, Mapping) else home)
+    try:
+        values = finite_array("home", list(home.values()) if isinstance(home, Mapping) else home)
+    except ArgumentError:
+        raise ArgumentError(
+            f"home is {shown(home)}, but must be finite joint positions, rad or m"
+        ) from None
     if named is None and values.shape != (len(joints),):
         raise ArgumentError(
             f"home has shape {values.shape}, but there are {len(joints)} arm joints: "

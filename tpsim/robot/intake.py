@@ -9,7 +9,6 @@ import mujoco
 import numpy as np
 
 from tpsim import border, checks
-from tpsim.checks import choice
 from tpsim.errors import ArgumentError
 from tpsim.robot.actuators import torque_motors
 from tpsim.robot.assets import embed
@@ -98,7 +97,6 @@ def take_in(
         If the source does not compile, or cannot be a torque-controlled arm: one line says why,
         what the file has, and what to do.
     """
-    choice("others", others, ("locked", "servo"))
     border.read("hands", hands, Mapping[str, str])
     return _take_in(read(source), hands, torque_limit, velocity_limit, home, others)
 

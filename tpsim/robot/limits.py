@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from tpsim.border import read
-from tpsim.checks import finite_array
+from tpsim.checks import finite_array, shown
 from tpsim.errors import ArgumentError
 from tpsim.robot.indices import matched
 
@@ -71,10 +71,10 @@ def _numbers(given: object, argument: str) -> np.ndarray:
     """Return given numbers as an array without NaN."""
     try:
         return finite_array(argument, given)
-    except ArgumentError as error:
+    except ArgumentError:
         raise ArgumentError(
-            f"{error}; {argument} must be a number, one per arm joint, or a mapping of joint names "
-            "to numbers"
+            f"{argument} is {shown(given)}, but must be a finite number, one per arm joint, or a "
+            "mapping of joint names to numbers"
         ) from None
 
 

@@ -212,14 +212,10 @@ class Robot:
 
     def posture(self, name: str, q: ArrayLike) -> np.ndarray:
         """One finite number for each joint (n,), or an ArgumentError that calls it ``name``."""
-        try:
-            found = finite_array(name, q)
-        except ArgumentError as error:
-            raise ArgumentError(f"{error}; give {self.n} finite numbers") from None
+        found = finite_array(name, q)
         if found.shape != (self.n,):
-            raise ArgumentError(
-                f"{name} has shape {found.shape}; give {self.n} finite numbers, one for each joint"
-            )
+            wanted = f"the robot has {self.n} joints: give {self.n} finite numbers"
+            raise ArgumentError(f"{name} has shape {found.shape}; {wanted}")
         return found
 
     def index(self, joints: Names) -> np.ndarray:
@@ -293,7 +289,6 @@ class Robot:
         """Pose of a site in the world."""
         frame = self._site(site)
         self._place(state)
-        # One call into Pinocchio instead of two.
         placement = self._kinematics.oMf[frame].homogeneous
         return Pose(placement[:3, :3], placement[:3, 3])
 

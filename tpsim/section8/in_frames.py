@@ -17,10 +17,10 @@ from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.retrieval.distribution import (
     TPTrajectoryDistribution,
     fit_tp_trajectory_distribution,
-    fuse_frames,
 )
 from tpsim.retrieval.fit_movement import fit_movement
 from tpsim.retrieval.fit_tp_gmr import fit_tp_gmr
+from tpsim.retrieval.fusion import fuse_frames
 from tpsim.retrieval.gmr import gmr
 from tpsim.retrieval.gp import SquaredExponential, fit_gp
 from tpsim.retrieval.kmp import KMP

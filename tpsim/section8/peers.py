@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
-from tpsim.retrieval.distribution import fuse_frames
+from tpsim.retrieval.fusion import fuse_frames
 from tpsim.section8.in_frames import BASIS, COMPONENTS
 from tpsim.section8.method import Anchor, Frames, Learned, times_of, views_of
+from tpsim.timeline import interpolate
 
 
 def gmr_library(demonstrations: list[Demonstration]) -> Learned:
@@ -78,8 +79,7 @@ def dmp_library(demonstrations: list[Demonstration]) -> Learned:
     def retrieve(frames: Frames) -> NDArray:
         model.configure(start_y=start(frames).mean, goal_y=end(frames).mean)
         when, path = model.open_loop(run_t=float(times[-1]))
-        columns = [np.interp(times, when, column) for column in np.asarray(path).T]
-        return np.column_stack(columns)
+        return interpolate(when, np.asarray(path), times)
 
     return Learned(retrieve, D * BASIS)
 

@@ -66,7 +66,8 @@ def run(
     figures.check(study)
     command = command or f"tpsim.lab.run(study, {plan!r})  # {task!r}"
     settings = {"plan": asdict(plan), "demonstrations": task.demonstrations}
-    opened = open_folder(study, command, settings, plan.seed, folder)
+    where = None if folder is None else Path(folder)
+    opened = open_folder(study, command, settings, plan.seed, where)
     with removed_if_nothing_came(opened.folder):
         taught = taught_all(study, task.demonstrations, plan.seed, workers)
     for behaviour, trials in taught.items():

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from tpsim.border import Duration, Moment, NotNegative, Point, checked
 from tpsim.task.task import Situation
 from tpsim.world.episode import BoundPerson
@@ -49,8 +47,7 @@ class Lead:
         """Look up the names in one simulation."""
         damping = 2 * self.stiffness**0.5
         grip = Grip(self.stiffness, damping, 0.0, 0.0, self.max_force)
-        origin, travel = np.array(self.origin), np.array(self.travel)
-        path = straight(origin, travel, self.duration, self.rest, simulation.timestep)
+        path = straight(self.origin, self.travel, self.duration, self.rest, simulation.timestep)
         return Guide("lead", self.site, grip, path, start=self.start).bind(simulation)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from tpsim.border import Number, border, checked
+from tpsim.border import Number, SeedNumber, border, checked
 from tpsim.film.clip import Clip
 from tpsim.study.condition import Condition
 from tpsim.study.measure import Measure
@@ -40,7 +40,7 @@ class Plan:
         Situations that were never taught, and pushes in each.
     """
 
-    seed: Number = 0
+    seed: SeedNumber = 0
     situations: Number = 10
     pushes: Number = 6
 

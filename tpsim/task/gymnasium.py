@@ -5,7 +5,7 @@ from typing import Any, Unpack
 import mujoco
 import numpy as np
 
-from tpsim.border import Number, border
+from tpsim.border import SeedNumber, border
 from tpsim.errors import ArgumentError, RenderingError
 from tpsim.film.rendering import HINT
 from tpsim.task.performance import Options, Performance
@@ -42,7 +42,10 @@ class TaskEnvironment(gymnasium.Env[Observation, np.ndarray]):
 
     @border
     def __init__(
-        self, performance: Performance, seed: Number | None = None, render_mode: str | None = None
+        self,
+        performance: Performance,
+        seed: SeedNumber | None = None,
+        render_mode: str | None = None,
     ):
         modes = (None, *self.metadata["render_modes"])
         if render_mode not in modes:
@@ -62,7 +65,7 @@ class TaskEnvironment(gymnasium.Env[Observation, np.ndarray]):
 
     @border
     def reset(
-        self, *, seed: Number | None = None, options: dict[str, Any] | None = None
+        self, *, seed: SeedNumber | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin the next episode; a seed begins its situations anew."""
         super().reset(seed=seed)
@@ -118,7 +121,7 @@ class TaskEnvironment(gymnasium.Env[Observation, np.ndarray]):
 def gym_environment(
     task: Task,
     *,
-    seed: Number | None = None,
+    seed: SeedNumber | None = None,
     render_mode: str | None = None,
     **options: Unpack[Options],
 ) -> TaskEnvironment:

@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from typing import Literal, TypedDict
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from tpsim.border import Duration, NotNegative, Number, border
+from tpsim.border import Duration, NotNegative, Number, SeedNumber, border
 from tpsim.controllers.renewed import FixedImpedance
 from tpsim.errors import ArgumentError
 from tpsim.robot.state import State
@@ -109,7 +110,7 @@ class Performance:
         self.actions = max(1, round(duration / self.period))
 
     @border
-    def begin(self, seed: Number, index: Number) -> None:
+    def begin(self, seed: SeedNumber, index: Number) -> None:
         """Begin an episode: situation ``index`` of a seed."""
         self._situation = draw_situation(self.task, seed, index)
         self._start(self._situation)
@@ -136,7 +137,7 @@ class Performance:
             np.where(np.isfinite(robot.upper), robot.upper, near[1]),
         )
 
-    def act(self, action: object) -> None:
+    def act(self, action: ArrayLike) -> None:
         """Take the action (n,); what is beyond the limits of motors or joints is cut off."""
         given = np.array(self.robot.posture("action", action))
         if self.action == "impedance":

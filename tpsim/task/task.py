@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from tpsim.border import Endless, Number, Positive, border, checked
+from tpsim.border import Endless, Number, Positive, SeedNumber, border, checked
 from tpsim.checks import instance
 from tpsim.demonstration import Demonstration
 from tpsim.errors import SimulationError
@@ -50,7 +50,7 @@ class Situation:
 
     start: tuple[float, ...]
     objects: tuple[ObjectPath, ...] = ()
-    seed: Number = 0
+    seed: SeedNumber = 0
     index: Number = 0
 
     def __post_init__(self) -> None:
@@ -170,7 +170,7 @@ class Task(ABC):
 
 @border
 def draw_situation(
-    task: Task, seed: Number, index: Number, draw: Callable[..., Situation] | None = None
+    task: Task, seed: SeedNumber, index: Number, draw: Callable[..., Situation] | None = None
 ) -> Situation:
     """Situation ``index`` of a seed: drawn until the robot can be put in it freely.
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
-from tpsim.border import Count, Duration, Number, border
+from tpsim.border import Count, Duration, SeedNumber, border
 from tpsim.checks import choice
 from tpsim.errors import ArgumentError
 from tpsim.learning.tp_gmm import TPGMM
@@ -23,7 +23,7 @@ Taught = Mapping[str, Sequence[Trial]]
 def teach(
     task: Task,
     count: Count | None = None,
-    seed: Number = 0,
+    seed: SeedNumber = 0,
     behaviours: Sequence[str] | None = None,
     progress: Callable[[str, int, str], None] | None = None,
 ) -> dict[str, list[Trial]]:

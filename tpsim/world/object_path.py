@@ -7,11 +7,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim import rotation
-from tpsim.border import Point, border, read
+from tpsim.border import border, read
 from tpsim.checks import finite_array, shown
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.objects import Objects
+from tpsim.timeline import around
 from tpsim.world.simulation import Simulation
 
 FAST = 2.0
@@ -53,8 +54,8 @@ class ObjectPath:
         label = f"object '{self.name}': "
         positions = finite_array(f"{label}positions", self.positions)
         times = finite_array(f"{label}times", self.times)
-        turned = (UPRIGHT,) * times.size if self.quaternions is None else self.quaternions
-        turned = finite_array(f"{label}quaternions", turned)
+        given = (UPRIGHT,) * times.size if self.quaternions is None else self.quaternions
+        turned = finite_array(f"{label}quaternions", given)
         count = times.size
         shapes = times.shape, positions.shape, turned.shape
         if not count or shapes != ((count,), (count, 3), (count, 4)):
@@ -73,11 +74,14 @@ class ObjectPath:
 
     @classmethod
     @border
-    def at(
-        cls, name: str, position: Point, quaternion: tuple[float, float, float, float] = UPRIGHT
-    ) -> "ObjectPath":
+    def at(cls, name: str, position: ArrayLike, quaternion: ArrayLike = UPRIGHT) -> "ObjectPath":
         """An object at rest."""
-        return cls(name, (position,), (0.0,), (quaternion,))
+        p, turned = finite_array("position", position), finite_array("quaternion", quaternion)
+        if p.shape != (3,) or turned.shape != (4,):
+            raise ArgumentError(
+                f"position has shape {p.shape} and quaternion {turned.shape}; give (3,) and (4,)"
+            )
+        return cls(name, (tuple(p.tolist()),), (0.0,), (tuple(turned.tolist()),))
 
     @property
     def first(self) -> Pose:
@@ -90,13 +94,8 @@ class ObjectPath:
         times = finite_array("times", times)
         if times.ndim != 1:
             raise ArgumentError(f"times have shape {times.shape}; give (T,)")
-        # The last via at or before each time: of two vias at one time, the second counts.
-        before = np.searchsorted(self.times, times, side="right") - 1
-        before = np.clip(before, 0, len(self.times) - 1)
-        after = np.minimum(before + 1, len(self.times) - 1)
-        via, p = np.array(self.times), np.array(self.positions)
-        span = via[after] - via[before]
-        share = np.clip((times - via[before]) / np.where(span > 0, span, 1.0), 0.0, 1.0)[:, None]
+        before, after, share = around(np.array(self.times), times)
+        p, share = np.array(self.positions), share[:, None]
         turned = np.array(self.quaternions)
         turned = rotation.continuous(turned / np.linalg.norm(turned, axis=1, keepdims=True))
         return p[before] + share * (p[after] - p[before]), _slerp(

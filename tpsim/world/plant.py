@@ -8,7 +8,7 @@ from typing import Annotated
 import mujoco
 import numpy as np
 
-from tpsim.border import Duration, NotNegative, Number, Range, Share, border, checked
+from tpsim.border import Duration, NotNegative, Range, SeedNumber, Share, border, checked
 from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
 
@@ -48,7 +48,7 @@ class Plant:
     encoder_bits: Annotated[int, Range(least=4, most=32)] | None = None
     velocity_cutoff: Annotated[float, Range(above=0, endless=True)] = 40.0
     control_period: Duration | None = None
-    seed: Number = 0
+    seed: SeedNumber = 0
 
     def __post_init__(self) -> None:
         checked(self)

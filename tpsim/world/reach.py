@@ -9,6 +9,7 @@ import numpy as np
 from tpsim.border import NotNegative, Positive, Range, border
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.pose import Pose
+from tpsim.robot.home import put
 from tpsim.robot.objects import NONE, Objects
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.view import View
@@ -53,8 +54,7 @@ def reach(
         raise ArgumentError("targets is empty; give the pose of at least one site")
     targets = {site: pose.checked(f"targets[{site!r}]") for site, pose in targets.items()}
     full = model.qpos0.copy()
-    for joint, angle in robot.description.fixed.items():
-        full[model.joint(joint).qposadr[0]] = angle
+    put(model, full, robot.description.fixed)
     full[robot.simulated.qpos] = start
     configuration = mink.Configuration(model, full)
     tasks = []

@@ -5,6 +5,7 @@ import numpy as np
 
 from tpsim.checks import shown
 from tpsim.errors import ArgumentError, SimulationError
+from tpsim.robot.home import put
 from tpsim.robot.indices import as_slice
 from tpsim.robot.robot import Robot
 
@@ -64,8 +65,7 @@ class Simulation:
             names = [robot.joints[i] for i in np.flatnonzero(outside)]
             raise SimulationError(f"the start posture q is outside the limits of {names}")
         mujoco.mj_resetData(self.model, self.data)
-        for joint, angle in robot.description.fixed.items():
-            self.data.qpos[self.model.joint(joint).qposadr[0]] = angle
+        put(self.model, self.data.qpos, robot.description.fixed)
         for actuator, control in robot.description.controls.items():
             self.data.ctrl[self.model.actuator(actuator).id] = control
         self.data.qpos[self._qpos] = q

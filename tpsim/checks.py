@@ -115,7 +115,8 @@ def number(
 ) -> float:
     """Finite number, where asked for at least, above, or below a limit; ``what`` says of what."""
     scalar = value
-    if isinstance(value, np.ndarray | np.generic) and value.size == 1:
+    hidden = isinstance(value, np.ma.MaskedArray) and bool(np.ma.getmaskarray(value).any())
+    if isinstance(value, np.ndarray | np.generic) and value.size == 1 and not hidden:
         scalar = value.item()
     if isinstance(scalar, int | float) and not isinstance(scalar, bool) and abs(scalar) < LARGEST:
         high_enough = (least is None or scalar >= least) and (above is None or scalar > above)
@@ -277,7 +278,7 @@ def generator(name: str, rng: Seed, default: int | None = None) -> np.random.Gen
     if isinstance(rng, np.random.Generator):
         return rng
     seed = default if rng is None else rng
-    right = isinstance(seed, int | np.integer) and not isinstance(seed, bool)
+    right = isinstance(seed, int | np.integer) and not isinstance(seed, bool | np.timedelta64)
     number_of_it = int(cast(int, seed)) if right else -1
     if not 0 <= number_of_it < LARGEST_SEED:
         raise ArgumentError(

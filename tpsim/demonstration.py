@@ -18,6 +18,7 @@ from tpsim.checks import (
     frozen,
     frozen_array,
     several,
+    shown,
     stamps,
 )
 from tpsim.errors import ArgumentError
@@ -67,7 +68,7 @@ class Demonstration(Stored):
         observations: Sequence[ArrayLike] | None = None,
         name: str = "",
     ):
-        name = str(name)
+        name = name if isinstance(name, str) else shown(name)
         label = f"demonstration {name!r}: " if name else ""
         times = frozen(np.array(stamps(f"{label}time", time)))
         values = frozen_array(f"{label}data", data)
@@ -86,7 +87,7 @@ class Demonstration(Stored):
             ("data", values),
             ("frames", tuple(given)),
             ("observations", seen),
-            ("name", str(name)),
+            ("name", name),
         ):
             object.__setattr__(self, field, value)
 
@@ -133,11 +134,12 @@ class Demonstration(Stored):
         :func:`tpsim.agree` brings several demonstrations to one sign. A DataWarning names the
         first place where neighbours are more than 60 degrees apart.
         """
-        name = str(name)
+        name = name if isinstance(name, str) else shown(name)
         label = f"demonstration {name!r}: " if name else ""
         positions = finite_array(f"{label}positions", positions)
         if positions.ndim != 2 or positions.shape[1] != 3:
             raise ArgumentError(f"{label}positions have shape {positions.shape}; give (T, 3)")
+        degrees = flag("degrees", degrees)
         q = rotation.quaternions(f"{label}orientations", orientations, convention, degrees)
         if len(q) != len(positions):
             raise ArgumentError(f"{label}{len(positions)} positions and {len(q)} orientations")

@@ -199,6 +199,10 @@ def tilt(R: ArrayLike, axis: ArrayLike = (0.0, 0.0, 1.0)) -> np.ndarray:
     The cup's tilt: how far its axis leans from the vertical.
     """
     axis = _shaped("axis", axis, (3,))
+    length = np.linalg.norm(axis, axis=-1, keepdims=True)
+    if not (length > 0).all() or axis.ndim != 1:
+        raise ArgumentError(f"axis is {shown(axis)}; give one direction (3,)")
+    axis = axis / length
     carried = _shaped("R", R, (3, 3)) @ axis
     # atan2 keeps its precision near zero, where arccos has none.
     sine = np.linalg.norm(np.cross(carried, axis), axis=-1)

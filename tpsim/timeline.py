@@ -59,9 +59,7 @@ def new_times(time: np.ndarray, wanted: int | ArrayLike) -> np.ndarray:
     return times
 
 
-def around(
-    time: np.ndarray, wanted: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def around(time: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The samples before and after each wanted time, and how far it is between them, 0 to 1.
 
     Before the first and after the last sample the ends are held. Of two samples at one time, the
@@ -77,7 +75,7 @@ def around(
 def interpolate(
     time: np.ndarray, values: np.ndarray, times: np.ndarray, smooth: bool = False
 ) -> np.ndarray:
-    """Values (T, ...) at other times (S,), by straight lines with held ends, or by a cubic spline."""
+    """Values (T, ...) at other times (S,), straight between samples, held at ends, or a spline."""
     if len(time) == 1:
         return np.repeat(values, len(times), axis=0)
     if smooth:

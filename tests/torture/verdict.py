@@ -46,7 +46,7 @@ def judge(
     infinite : bool
         Whether the answer may hold infinities.
     keeps : tuple of str
-        Arguments that the answer documents to keep as they are.
+        Arguments that the answer documents to hold as they are, whatever they are.
     words : tuple of str
         Other names of the arguments.
     """
@@ -67,7 +67,8 @@ def judge(
         except Exception as error:
             verdict = Verdict("foreign", f"{type(error).__name__}: {error}"[:300])
         else:
-            verdict = _answer(answer, answers, given, corrupted, infinite)
+            checked = [] if keeps else answers
+            verdict = _answer(answer, checked, given, corrupted, infinite or bool(keeps))
     loud = [w for w in told if not issubclass(w.category, DataWarning)]
     if verdict.kind in GOOD and loud:
         verdict = Verdict("warned", f"{loud[0].category.__name__}: {loud[0].message}")
@@ -99,7 +100,7 @@ def _answer(answer, answers, given, corrupted, infinite) -> Verdict:
         if array.dtype.kind in "fc" and not _finite(array, infinite):
             return Verdict("not finite", f"{type(answer).__name__} {array.ravel()[:6]}")
     for number in numbers_in([answer]):
-        if not (np.isfinite(number) or (infinite and np.isinf(number))):
+        if not (np.isfinite(number) or infinite):
             return Verdict("not finite", f"{answer!r}"[:200])
     for array in answers:
         for mine in given:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.checks import felt, instance
+from tpsim.checks import felt, instance, shown
 from tpsim.control.feedback import Feedback
 from tpsim.control.lqr import Regulator
 from tpsim.errors import ArgumentError
@@ -61,7 +61,7 @@ def impedance(precision: ArrayLike, effort: ArrayLike) -> tuple[np.ndarray, np.n
         raise ArgumentError(f"effort has shape {effort.shape}; give efforts over time as (T, 1, 1)")
     if effort.ndim == 0 or effort.shape[-1] == 1:
         if not (effort > 0).all():
-            raise ArgumentError(f"effort is {effort}; give a positive number")
+            raise ArgumentError(f"effort is {shown(effort)}; give a positive number")
         return _scaled_roots(precision / effort)
     return _congruent_roots(precision, effort)
 

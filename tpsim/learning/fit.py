@@ -65,7 +65,7 @@ def demonstrations_of(name: str, observations: object) -> list[Demonstration] | 
     """Demonstrations, one or many, in agreement about signs and turns; None for anything else."""
     if isinstance(observations, Demonstration):
         observations = [observations]
-    if not isinstance(observations, Sequence) or isinstance(observations, str | bytes):
+    if not isinstance(observations, Sequence) or isinstance(observations, str | bytes | memoryview):
         return None
     given = [isinstance(one, Demonstration) for one in observations]
     if not any(given):

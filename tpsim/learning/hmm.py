@@ -92,9 +92,7 @@ class HiddenStates(Stored):
         else:
             joint = emissions.log_joint(matrix("observations", observations, emissions.dim))
         if not np.abs(joint).max() < FARTHEST:
-            raise ArgumentError(
-                "observations lie so far from all states that rounding decides; check unit and origin"
-            )
+            raise ArgumentError("observations are far from all states; check unit and origin")
         return joint - log_priors(emissions.priors)
 
     def log_likelihood(self, observations: Demonstration | ArrayLike) -> float:

@@ -113,7 +113,13 @@ class PGMM(Stored):
 
     def _log_joint(self, data: ArrayLike, parameters: ArrayLike) -> np.ndarray:
         rows = matrix("data", data, self.maps.shape[1])
-        residual = rows[:, None] - self.adapt(parameters).gaussians.mean
+        means = self.adapt(parameters).gaussians.mean
+        if means.shape[:-2] not in ((), (len(rows),)):
+            raise ArgumentError(
+                f"parameters have leading axes {means.shape[:-2]} and data {len(rows)} samples; "
+                "give one (q,), or one for every sample"
+            )
+        residual = rows[:, None] - means
         noise = Gaussian(np.zeros(self.maps.shape[:2]), self.covariance)
         return log_priors(self.priors) + noise.log_density(residual)
 

@@ -109,6 +109,7 @@ def _robot(book: Book) -> None:
     add(
         "lab.reach",
         lab.reach,
+        words=("poses",),
         robot=ROBOT,
         targets={"tip": STATE.pose("tip")},
         start=START,
@@ -133,14 +134,14 @@ def _views(book: Book) -> None:
     add("lab.Joints", lab.Joints, names=".*")
     add("lab.Object", lab.Object, name="mark")
     add("lab.Site", lab.Site, name="tip")
-    add("lab.Site.axis", TIP.axis, axis="z", across="", reference=np.eye(3))
+    add("lab.Site.axis", TIP.axis, words=("axes",), axis="z", across="", reference=np.eye(3))
     add("lab.Site.seen_from", TIP.seen_from, base=MARK)
     add("lab.Sight", Sight, site=TIP, base=MARK)
     add("lab.Direction", Direction, site="tip", axes="zxy", reference=None)
     add("lab.Direction.towards", TIP.axis("z").towards, target=MARK)
     add("lab.View.__call__", VIEW.__call__, state=STATE)
-    add("lab.View.__getitem__", VIEW.__getitem__, words=("indices",), rows=[0, 1])
-    add("lab.View.__getitem__", VIEW.__getitem__, words=("indices",), rows=0)
+    add("lab.View.__getitem__", VIEW.__getitem__, words=("indices", "view"), rows=[0, 1])
+    add("lab.View.__getitem__", VIEW.__getitem__, words=("indices", "view"), rows=0)
     add(
         "lab.View.beneath",
         lambda first, bend, damping: joints.beneath(first, bend=bend, damping=damping),

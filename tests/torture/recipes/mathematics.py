@@ -167,6 +167,7 @@ def _learning(book: Book) -> None:
     add(
         "fit_gmm",
         tp.fit_gmm,
+        words=("sample",),
         data=PATHS[0],
         components=2,
         covariance="full",
@@ -178,8 +179,23 @@ def _learning(book: Book) -> None:
         **few,
         takes={"time": DATES, "start": {"*"}},
     )
-    add("fit_gmm", tp.fit_gmm, data=PATHS, components=2, covariance="diagonal", start="time")
-    add("fit_gmm", tp.fit_gmm, data=DEMONSTRATIONS, components=2, covariance=tp.MFA(1))
+    add(
+        "fit_gmm",
+        tp.fit_gmm,
+        words=("sample",),
+        data=PATHS,
+        components=2,
+        covariance="diagonal",
+        start="time",
+    )
+    add(
+        "fit_gmm",
+        tp.fit_gmm,
+        words=("sample",),
+        data=DEMONSTRATIONS,
+        components=2,
+        covariance=tp.MFA(1),
+    )
     add(
         "fit_tp_gmm",
         tp.fit_tp_gmm,
@@ -281,7 +297,7 @@ def _learning(book: Book) -> None:
     add(
         "bic",
         lambda model, data: tp.bic(model, data),
-        words=("observation", "demonstration", "sample"),
+        words=("observation", "demonstration", "sample", "K and one"),
         model=PLACES,
         data=DEMONSTRATIONS,
     )
@@ -289,14 +305,14 @@ def _learning(book: Book) -> None:
     add(
         "dp_means_start",
         tp.dp_means_start,
-        words=("observation", "demonstration"),
+        words=("observation", "demonstration", "sample", "K and one"),
         data=DEMONSTRATIONS,
         radius=0.5,
     )
     add(
         "select_model",
         tp.select_model,
-        words=("observation", "demonstration"),
+        words=("observation", "demonstration", "sample", "K and one"),
         data=DEMONSTRATIONS,
         components=[1, 2],
         covariances=("full", "diagonal"),
@@ -306,7 +322,7 @@ def _learning(book: Book) -> None:
     add(
         "select_model",
         tp.select_model,
-        words=("observation", "demonstration"),
+        words=("observation", "demonstration", "sample", "K and one"),
         data=PATHS[0],
         components=range(1, 3),
         fit=tp.fit_gmm,
@@ -654,8 +670,16 @@ def _retrieval(book: Book) -> None:
 
 def _processes(book: Book) -> None:
     add = book.add
-    add("fit_gp", tp.fit_gp, inputs=TIME, outputs=PATHS[0], kernel=KERNEL, center=True)
-    add("fit_gp", tp.fit_gp, inputs=TIME, outputs=PATHS[0][:, 0])
+    add(
+        "fit_gp",
+        tp.fit_gp,
+        words=("variance",),
+        inputs=TIME,
+        outputs=PATHS[0],
+        kernel=KERNEL,
+        center=True,
+    )
+    add("fit_gp", tp.fit_gp, words=("variance",), inputs=TIME, outputs=PATHS[0][:, 0])
     add("GaussianProcess", tp.GaussianProcess, **_fields(tp.GaussianProcess, PROCESS))
     for method in ("__call__", "joint_covariance", "weights"):
         add(f"GaussianProcess.{method}", getattr(PROCESS, method), queries=TIME[:4])

@@ -56,7 +56,7 @@ def _cleaning(book: Book) -> None:
     add("data.aligned", data.aligned, demonstrations=DEMONSTRATIONS, band=0.2, by="data")
     add("data.resampled", data.resampled, demonstration=ONE, times=None, rate=20.0, smooth=False)
     add("data.resampled", data.resampled, demonstration=ONE, times=10, smooth=True)
-    add("data.smoothed", data.smoothed, demonstration=ONE, window=0.2, order=3)
+    add("data.smoothed", data.smoothed, words=("sample",), demonstration=ONE, window=0.2, order=3)
     add(
         "data.trimmed",
         data.trimmed,
@@ -119,6 +119,7 @@ def _files(book: Book) -> None:
         units={"x": "m"},
         first_line=2,
         keeps=("columns", "time"),
+        infinite=True,
         takes={"columns": {"*"}, "time": {"*"}},
     )
     add("data.Series.names_of", SERIES.names_of, name="x")
@@ -136,7 +137,13 @@ def _files(book: Book) -> None:
     )
     for method in ("find", "has", "known"):
         add(f"data.Recording.{method}", getattr(RECORDING, method), words=("column",), name="x")
-    add("data.frames_from", data.frames_from, recording=RECORDING, columns=COLUMNS)
+    add(
+        "data.frames_from",
+        data.frames_from,
+        words=("arrays",),
+        recording=RECORDING,
+        columns=COLUMNS,
+    )
     add("data.poses_in", data.poses_in, recording=RECORDING)
     add(
         "data.read",
@@ -150,12 +157,24 @@ def _files(book: Book) -> None:
                           ("write_robomimic", "hdf5")):  # fmt: skip
         add(
             f"data.{write}",
-            getattr(data, write),
+            _in_new_folder(getattr(data, write)),
             path=Made(lambda e=ending: _new(e)),
             items=[ONE] if write != "write_robomimic" else DEMONSTRATIONS,
         )
-    add("data.write_csv", data.write_csv, path=Made(lambda: _new("csv")), items=[TRIAL])
-    add("data.write", data.write, path=Made(lambda: _new("npz")), items=[ONE])
+    add(
+        "data.write_csv",
+        _in_new_folder(data.write_csv),
+        words=("demonstration", "trial"),
+        path=Made(lambda: _new("csv")),
+        items=[TRIAL],
+    )
+    add(
+        "data.write",
+        _in_new_folder(data.write),
+        words=("demonstration", "trial", "ends with"),
+        path=Made(lambda: _new("npz")),
+        items=[ONE],
+    )
 
 
 def _in_new_folder(write):
@@ -200,6 +219,7 @@ def _pictures(book: Book) -> None:
     add(
         "plot.frames",
         plot.frames,
+        words=("size", "frame"),
         axis=axis,
         frames=[Frame(np.eye(2), np.zeros(2))],
         colours=["#009E73"],

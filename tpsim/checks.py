@@ -135,13 +135,16 @@ def number(
 
 def felt(name: str, value: object) -> Floats:
     """Finite floats of which the largest does not vanish when it is squared, or all are zero."""
-    array = finite_array(name, value)
+    array = value if type(value) is np.ndarray and value.dtype is FLOAT else array_of(name, value)
+    if array.dtype is not FLOAT or not array.size:
+        array = finite_array(name, value)
     largest = np.abs(array).max(initial=0.0)
-    if 0 < largest < SMALLEST:
-        raise ArgumentError(
-            f"{name} reaches {largest:.1e} at most; change units to come above {SMALLEST:.0e}"
-        )
-    return array
+    if SMALLEST <= largest < HUGE or largest == 0:
+        return array
+    finite_array(name, array)
+    raise ArgumentError(
+        f"{name} reaches {largest:.1e} at most; change units to come above {SMALLEST:.0e}"
+    )
 
 
 def bound(name: str, value: object) -> float:

@@ -198,15 +198,15 @@ def tilt(R: ArrayLike, axis: ArrayLike = (0.0, 0.0, 1.0)) -> np.ndarray:
 
     The cup's tilt: how far its axis leans from the vertical.
     """
-    axis = _shaped("axis", axis, (3,))
-    length = np.linalg.norm(axis, axis=-1, keepdims=True)
-    if not (length > 0).all() or axis.ndim != 1:
-        raise ArgumentError(f"axis is {shown(axis)}; give one direction (3,)")
-    axis = axis / length
-    carried = _shaped("R", R, (3, 3)) @ axis
+    given = _shaped("axis", axis, (3,))
+    length = float(np.linalg.norm(given))
+    if not length > 0 or given.ndim != 1:
+        raise ArgumentError(f"axis is {shown(given)}; give one direction (3,)")
+    up = given / length
+    carried = _shaped("R", R, (3, 3)) @ up
     # atan2 keeps its precision near zero, where arccos has none.
-    sine = np.linalg.norm(np.cross(carried, axis), axis=-1)
-    return np.arctan2(sine, carried @ axis)
+    sine = np.linalg.norm(np.cross(carried, up), axis=-1)
+    return np.arctan2(sine, carried @ up)
 
 
 def _turns(w: ArrayLike) -> np.ndarray:

@@ -66,7 +66,7 @@ INSIDE = {
     ),
     **dict.fromkeys(
         [f"lab.{name}" for name in ("Impedance", "Impedance.of_modes", "Objects", "Pose", "Robot",
-         "Robot.of", "Grip.wrench",
+         "Robot.of", "Grip.wrench", "Push.wrench",
          "Robot.compute_bias", "Robot.compute_jacobian", "Robot.compute_mass",
          "Robot.compute_pose", "Seen", "Simulation", "Simulation.apply_wrench", "Simulation.step",
          "State")],

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.border import read
-from tpsim.checks import entries, finite_array, number
+from tpsim.checks import array_of, entries, finite_array, number
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.objects import Objects
@@ -65,6 +65,13 @@ def sensed(
             f"object '{missing[0]}' is missing; the policy needs the poses of {', '.join(needed)}"
         )
     known = objects if isinstance(objects, Objects) else _objects(objects)
+    for name, part in (("q", q), ("dq", dq)):
+        seen = array_of(name, part)
+        if seen.dtype.kind == "f" and seen.shape == (robot.n,) and not np.isfinite(seen).all():
+            joint = robot.joints[int(np.argmin(np.isfinite(seen)))]
+            raise ArgumentError(
+                f"{name}: the state of joint '{joint}' is not finite; stop the robot"
+            )
     return robot.at(q, dq, known, number("time", time, least=0))
 
 

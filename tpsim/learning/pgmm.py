@@ -87,13 +87,7 @@ class PGMM(Stored):
         return self.maps.size + self.components * (D * (D + 1) // 2 + 1) - 1
 
     def adapt(self, parameters: ArrayLike) -> GMM:
-        """Mixture for new task parameters (..., q), Eq. (48).
-
-        Returns
-        -------
-        GMM
-            Gaussians (..., K, D), with the leading axes of the parameters.
-        """
+        """Mixture (..., K, D) for new task parameters (..., q), Eq. (48)."""
         Q = finite_array("parameters", parameters)
         if Q.shape[-1:] != (self.maps.shape[-1] - 1,):
             raise ArgumentError(

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tpsim.archive import Stored
-from tpsim.border import checked
-from tpsim.checks import FLOAT, dimensions, finite_array, frozen, instance, number
+from tpsim.border import checked, unchecked
+from tpsim.checks import FLOAT, dimensions, finite_array, instance, number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Dimensions, Gaussian, add_ridge, mixed_moments
 from tpsim.learning.gmm import GMM
@@ -116,11 +116,14 @@ class Regression(Stored):
         log_scale: NDArray,
     ) -> Regression:
         """Build without checks and copies, from arrays of one's own: the path of control loops."""
-        made = object.__new__(cls)
-        parts = (input_mean, output_mean, linear, covariance, log_scale)
-        names = ("input_mean", "output_mean", "linear", "covariance", "log_scale")
-        made.__dict__.update(zip(names, map(frozen, parts), strict=True))
-        return made
+        return unchecked(
+            cls,
+            input_mean=input_mean,
+            output_mean=output_mean,
+            linear=linear,
+            covariance=covariance,
+            log_scale=log_scale,
+        )
 
     @classmethod
     def of(

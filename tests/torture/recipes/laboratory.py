@@ -308,7 +308,6 @@ def _people(book: Book) -> None:
         torque=(0.0, 0.0, 1.0),
         ramp=0.05,
     )
-    add("lab.Push.wrench", PUSH.wrench, time=0.02)
     add(
         "lab.Lead",
         lab.Lead,

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tpsim.border import Moment, Point, border, checked
+from tpsim.border import Moment, Point, checked
 from tpsim.robot.state import State
 from tpsim.world.simulation import Simulation
 
@@ -40,7 +40,6 @@ class Push:
     def __post_init__(self) -> None:
         checked(self)
 
-    @border
     def wrench(self, time: float) -> np.ndarray:
         """Force and torque (6,) at a time [s]."""
         inside = min(time - self.start, self.start + self.duration - time)

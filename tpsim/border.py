@@ -64,6 +64,7 @@ Duration = Annotated[float, Range(above=0, most=1e6)]
 """[s], up to eleven days."""
 Moment = Annotated[float, Range(least=0, most=1e6)]
 """[s] since the start."""
+Strength = Annotated[float, Range(least=0, endless=True)]
 Endless = Annotated[float, Range(endless=True)]
 """A number, or infinity."""
 Count = Annotated[int, Range(least=1)]

@@ -150,7 +150,8 @@ def felt(name: str, value: object) -> Floats:
 def bound(name: str, value: object) -> float:
     """Number that may be infinite, but not NaN: where an iteration ends."""
     try:
-        found = float(value) if isinstance(value, int | float | np.number) else np.nan
+        right = isinstance(value, int | float | np.number) and not isinstance(value, np.timedelta64)
+        found = float(cast(float, value)) if right else np.nan
     except OverflowError:
         found = np.nan
     if np.isnan(found):

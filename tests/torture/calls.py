@@ -1,6 +1,6 @@
-"""Hostile calls: every argument of everything public, spoiled in every way, and in pairs."""
+"""Hostile calls: arguments of everything public, alone and in pairs, spoiled at random."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -38,15 +38,6 @@ class Call(NamedTuple):
 def _nonsense(recipe: Recipe, name: str, hostile: Hostile) -> bool:
     taken = recipe.takes.get(name, set())
     return hostile.nonsense and name not in recipe.free and not taken & {hostile.label, "*"}
-
-
-def single(recipes: Iterable[Recipe]) -> Iterator[Call]:
-    """All calls with one spoiled argument."""
-    for recipe in recipes:
-        for name, good in recipe.arguments.items():
-            good = good.make() if isinstance(good, Made) else good
-            for hostile in corruptions(good):
-                yield Call(recipe, {name: hostile})
 
 
 def drawn(recipes: list[Recipe], count: int, seed: int) -> Iterator[Call]:

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from tpsim import border, checks
+from tpsim.checks import shown
 from tpsim.errors import ArgumentError
 from tpsim.robot.actuators import torque_motors
 from tpsim.robot.assets import embed
@@ -149,7 +150,7 @@ def _take_in(
     others: Literal["locked", "servo"],
 ) -> Source:
     if others not in ("locked", "servo"):
-        raise ArgumentError(f"others is {others!r}, but must be 'locked' or 'servo'")
+        raise ArgumentError(f"others is {shown(others)}, but must be 'locked' or 'servo'")
     spec = draft.spec
     name_elements(spec)
     model = compiled(spec)

@@ -249,10 +249,10 @@ class Robot:
 
         ``load`` is the largest share of the motors' torque that gravity may take.
         """
-        q, margin = self.posture("q", q), number("margin", margin)
+        q, margin, load = self.posture("q", q), number("margin", margin), number("load", load)
         room = np.minimum(q - self.lower, self.upper - q).min()
         weight = np.abs(self.gravity_torque(q)) / self.torque_limit
-        return bool(room > margin and weight.max() < number("load", load, least=0))
+        return bool(room > margin and weight.max() < load)
 
     def _site(self, name: str) -> int:
         if not isinstance(name, str) or name not in self.sites:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from tpsim.border import Duration, Moment, NotNegative, Point, checked
+from tpsim.border import NotNegative, Point, Positive, Strength, checked
 from tpsim.task.task import Situation
 from tpsim.world.episode import BoundPerson
 from tpsim.world.people.guide import Grip, Guide
@@ -34,11 +34,11 @@ class Lead:
     site: str
     origin: Point
     travel: Point
-    start: Moment = 1.5
-    duration: Duration = 3.0
-    rest: Moment = 0.5
+    start: NotNegative = 1.5
+    duration: Positive = 3.0
+    rest: NotNegative = 0.5
     stiffness: NotNegative = 2000.0
-    max_force: NotNegative = 60.0
+    max_force: Strength = 60.0
 
     def __post_init__(self) -> None:
         checked(self)
@@ -80,7 +80,7 @@ class Condition:
     push: tuple[Push, ...] = ()
     lead: tuple[Lead, ...] = ()
     plant: Plant = NOMINAL
-    duration: Duration | None = None
+    duration: Positive | None = None
     shown: str | None = None
 
     def __post_init__(self) -> None:

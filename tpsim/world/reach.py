@@ -71,7 +71,14 @@ def reach(
     for i in range(iterations):
         # The preferred posture shapes the way there and lets go at the end.
         prefer.set_cost(0.02 * 0.97**i)
-        velocity = mink.solve_ik(configuration, [*tasks, prefer], 0.05, "daqp", 1e-6, limits=limits)
+        try:
+            velocity = mink.solve_ik(
+                configuration, [*tasks, prefer], 0.05, "daqp", 1e-6, limits=limits
+            )
+        except mink.MinkError as error:
+            raise SimulationError(
+                f"no step towards the targets keeps a margin of {margin:g} from the limits: {error}"
+            ) from None
         configuration.integrate_inplace(velocity, 0.05)
         errors = [task.compute_error(configuration) for task in tasks]
         position = max(float(np.linalg.norm(error[:3])) for error in errors)

@@ -163,7 +163,7 @@ def _views(book: Book) -> None:
         damping=0.01,
     )
     add("lab.Beneath", Beneath, second=joints, first=(VIEW,), bend=0.5, damping=0.01)
-    add("lab.Offset", Offset, whole=VIEW, origin=(1.0, 0.0, 0.0))
+    add("lab.Offset", Offset, takes={"origin": {"generator"}}, whole=VIEW, origin=(1.0, 0.0, 0.0))
     add("lab.Part", Part, whole=VIEW, indices=(0, 1))
     add("lab.Spare", Spare, names=".*", first=(VIEW,), origin=None)
     places = {"mark": (np.ones((3, 3)), np.tile([1.0, 0, 0, 0], (3, 1)))}

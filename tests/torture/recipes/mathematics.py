@@ -569,6 +569,7 @@ def _retrieval(book: Book) -> None:
     add(
         "trajectory_of_states",
         tp.trajectory_of_states,
+        words=("states",),
         model=STATES,
         states=np.array([0, 0, 1, 1]),
         dt=0.1,
@@ -576,6 +577,7 @@ def _retrieval(book: Book) -> None:
     add(
         "derivative_operator",
         tp.derivative_operator,
+        words=("steps",),
         steps=5,
         dt=0.1,
         derivatives=2,
@@ -697,13 +699,21 @@ def _processes(book: Book) -> None:
     add(
         "fit_gp_gmm",
         tp.fit_gp_gmm,
+        words=("mixture", "inputs"),
         tasks=TASKS,
         gmms=MIXTURES,
         kernel=KERNEL,
         encoding="logarithm",
         floor=1e-3,
     )
-    add("fit_gp_gmm", tp.fit_gp_gmm, tasks=TASKS, gmms=MIXTURES, encoding="entries")
+    add(
+        "fit_gp_gmm",
+        tp.fit_gp_gmm,
+        words=("mixture", "inputs"),
+        tasks=TASKS,
+        gmms=MIXTURES,
+        encoding="entries",
+    )
     process = tp.fit_gp_gmm(TASKS, MIXTURES, KERNEL)
     add("MixtureProcess", MixtureProcess, **_fields(MixtureProcess, process))
     add("MixtureProcess.__call__", process.__call__, task=np.array([0.3]))

@@ -69,6 +69,7 @@ def _cleaning(book: Book) -> None:
     add(
         "data.segmented",
         data.segmented,
+        words=("pieces", "sample"),
         demonstration=ONE,
         at="stops",
         pause=0.1,
@@ -76,8 +77,15 @@ def _cleaning(book: Book) -> None:
         window=0.1,
         columns=[0],
     )
-    add("data.segmented", data.segmented, demonstration=ONE, at="changes", pieces=2)
-    add("data.segmented", data.segmented, demonstration=ONE, at=[0.5])
+    add(
+        "data.segmented",
+        data.segmented,
+        words=("pieces", "sample"),
+        demonstration=ONE,
+        at="changes",
+        pieces=2,
+    )
+    add("data.segmented", data.segmented, words=("pieces", "sample"), demonstration=ONE, at=[0.5])
 
 
 def _files(book: Book) -> None:
@@ -148,30 +156,32 @@ def _files(book: Book) -> None:
     add(
         "data.read",
         data.read,
+        words=("file",),
         path=str(CSV),
         columns=data.Columns(position=("x", "y", "z")),
         format="text",
     )
-    add("data.recordings", data.recordings, path=str(CSV), format="text")
+    add("data.recordings", data.recordings, words=("file",), path=str(CSV), format="text")
     for write, ending in (("write_csv", "csv"), ("write_lerobot", ""), ("write_mcap", "mcap"),
                           ("write_robomimic", "hdf5")):  # fmt: skip
         add(
             f"data.{write}",
             _in_new_folder(getattr(data, write)),
+            words=("demonstration", "trial", "write", "new folder", "d1"),
             path=Made(lambda e=ending: _new(e)),
             items=[ONE] if write != "write_robomimic" else DEMONSTRATIONS,
         )
     add(
         "data.write_csv",
         _in_new_folder(data.write_csv),
-        words=("demonstration", "trial"),
+        words=("demonstration", "trial", "write", "d1"),
         path=Made(lambda: _new("csv")),
         items=[TRIAL],
     )
     add(
         "data.write",
         _in_new_folder(data.write),
-        words=("demonstration", "trial", "ends with"),
+        words=("demonstration", "trial", "ends with", "write", "d1"),
         path=Made(lambda: _new("npz")),
         items=[ONE],
     )
@@ -210,7 +220,16 @@ def _pictures(book: Book) -> None:
         width=1.8,
         **word,
     )
-    add("plot.band", plot.band, axis=axis, x=TIME, mean=MOVE, deviation=TIME, **word)
+    add(
+        "plot.band",
+        plot.band,
+        words=("mean", "deviation"),
+        axis=axis,
+        x=TIME,
+        mean=MOVE,
+        deviation=TIME,
+        **word,
+    )
     add("plot.matrix", plot.matrix, axis=axis, values=np.eye(3))
     add("plot.demonstrations", plot.demonstrations, axis=axis, paths=[ONE, PLANAR], **word)
     add("plot.ellipses", plot.ellipses, axis=axis, gaussian=GAUSSIAN, fill=0.25, **word)

@@ -138,7 +138,7 @@ class View(ABC):
         labels = self.labels(robot)
         own = {match.group(1) for label in labels if (match := re.search(r"\[(.*)\]", label))}
         if own != {base}:
-            raise ArgumentError(f"unit '{unit}' does not fit a view in {sorted(own)}")
+            raise ArgumentError(f"unit {shown(unit)} does not fit a view in {sorted(own)}")
         return factor
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from tpsim.border import Moment, NotNegative, checked
+from tpsim.border import NotNegative, Strength, checked
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.state import State
@@ -61,8 +61,8 @@ class Grip:
     damping: NotNegative = 120.0
     angular_stiffness: NotNegative = 60.0
     angular_damping: NotNegative = 2.5
-    max_force: NotNegative = 60.0
-    max_torque: NotNegative = 8.0
+    max_force: Strength = 60.0
+    max_torque: Strength = 8.0
 
     def __post_init__(self) -> None:
         checked(self)
@@ -116,7 +116,7 @@ class Guide:
     grip: Grip
     path: HandPath
     relative_to: str | None = None
-    start: Moment = 0.0
+    start: NotNegative = 0.0
 
     def __post_init__(self) -> None:
         checked(self)

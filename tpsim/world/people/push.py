@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tpsim.border import Moment, Point, checked
+from tpsim.border import NotNegative, Point, checked
 from tpsim.robot.state import State
 from tpsim.world.simulation import Simulation
 
@@ -31,11 +31,11 @@ class Push:
 
     body: str
     force: Point
-    start: Moment = 2.0
-    duration: Moment = 2.0
+    start: NotNegative = 2.0
+    duration: NotNegative = 2.0
     point: Point = (0.0, 0.0, 0.0)
     torque: Point = (0.0, 0.0, 0.0)
-    ramp: Moment = 0.05
+    ramp: NotNegative = 0.05
 
     def __post_init__(self) -> None:
         checked(self)

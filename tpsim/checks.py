@@ -135,9 +135,8 @@ def number(
 
 def felt(name: str, value: object) -> Floats:
     """Finite floats of which the largest does not vanish when it is squared, or all are zero."""
-    array = value if type(value) is np.ndarray and value.dtype is FLOAT else array_of(name, value)
-    if array.dtype is not FLOAT or not array.size:
-        array = finite_array(name, value)
+    plain = type(value) is np.ndarray and value.dtype is FLOAT
+    array = cast(Floats, value) if plain else finite_array(name, value)
     largest = np.abs(array).max(initial=0.0)
     if SMALLEST <= largest < HUGE or largest == 0:
         return array

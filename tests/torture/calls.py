@@ -32,7 +32,11 @@ class Call(NamedTuple):
         with np.errstate(all="ignore"):
             arguments |= {name: hostile.make() for name, hostile in self.spoiled.items()}
         nonsense = {name: _nonsense(recipe, name, h) for name, h in self.spoiled.items()}
-        return judge(recipe.call, arguments, nonsense, recipe.infinite, recipe.keeps, recipe.words)
+        kind, words = judge(
+            recipe.call, arguments, nonsense, recipe.infinite, recipe.keeps, recipe.words
+        )
+        long = kind == "slow" and words.startswith("takes") and set(recipe.patient) & set(nonsense)
+        return Verdict("fine" if long else kind, words)
 
 
 def _nonsense(recipe: Recipe, name: str, hostile: Hostile) -> bool:

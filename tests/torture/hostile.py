@@ -82,7 +82,7 @@ TYPES = [
     Hostile("rude", Rude, True),
     Hostile("class", lambda: int, True),
     Hostile("function", lambda: len, True),
-    Hostile("generator", lambda: (x for x in (1.0, 2.0)), True),
+    Hostile("generator", lambda: (x for x in (1.0, 2.0))),
     Hostile("set", lambda: {1.0, 2.0}, True),
     Hostile("range", lambda: range(3)),
     Hostile("True", lambda: True),

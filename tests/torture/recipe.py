@@ -40,6 +40,8 @@ class Recipe:
         Arguments that may be anything.
     words : tuple of str
         Other names of what is given, by which a message may call it.
+    patient : tuple of str
+        Arguments that may ask for more work than a call has time for, such as a duration.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Recipe:
     keeps: tuple[str, ...] = ()
     free: tuple[str, ...] = ()
     words: tuple[str, ...] = ()
+    patient: tuple[str, ...] = ()
 
     def fresh(self) -> dict[str, object]:
         """Good arguments, whose arrays nobody else holds."""
@@ -82,8 +85,9 @@ class Book(dict[str, list[Recipe]]):
         keeps: tuple[str, ...] = (),
         free: tuple[str, ...] = (),
         words: tuple[str, ...] = (),
+        patient: tuple[str, ...] = (),
         **arguments: object,
     ) -> None:
         """Add a good call."""
-        recipe = Recipe(name, call, arguments, takes or {}, infinite, keeps, free, words)
+        recipe = Recipe(name, call, arguments, takes or {}, infinite, keeps, free, words, patient)
         self.setdefault(name, []).append(recipe)

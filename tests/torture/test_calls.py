@@ -27,7 +27,7 @@ def books():
 
 
 @pytest.fixture(autouse=True)
-def small_world(tmp_path, monkeypatch, capfd):
+def small_world(tmp_path, monkeypatch):
     """A folder of its own, and not all memory of the machine."""
     monkeypatch.chdir(tmp_path)
     before = resource.getrlimit(resource.RLIMIT_AS)
@@ -76,10 +76,10 @@ def test_hostile_calls_end_well(books, room):
 @pytest.mark.torture
 @pytest.mark.parametrize("room", ROOMS)
 @pytest.mark.parametrize("seed", range(3))
-def test_thousands_of_hostile_calls_end_well(books, room, seed, capsys):
+def test_thousands_of_hostile_calls_end_well(books, room, seed, capfd):
     recipes = [recipe for found in books[room].values() for recipe in found]
     counts, bad = tortured(drawn(recipes, ALL // 3, 1000 + seed))
-    with capsys.disabled():
+    with capfd.disabled():
         print(f"\n{room}, seed {1000 + seed}: {dict(counts)}")
     assert not bad, "\n".join(bad[:50])
 

@@ -95,7 +95,8 @@ def _riccati(A, B, Q, R, discrete):
     try:
         # Only the ratio of Q and R matters for the gain; a unit scale keeps the solver accurate.
         scale = np.trace(R) / len(R)
-        return scale * solve(A, B, Q / scale, R / scale)
+        with np.errstate(invalid="ignore"):  # what is not solved is not stable, and refused below
+            return scale * solve(A, B, Q / scale, R / scale)
     except (np.linalg.LinAlgError, ValueError) as error:
         raise ArgumentError(_UNSTABLE) from error
 

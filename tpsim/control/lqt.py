@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg.lapack import dposv
 
 from tpsim.border import unchecked
-from tpsim.checks import HUGE, flag, instance, whole
+from tpsim.checks import HUGE, affordable, flag, instance
 from tpsim.control.feedback import Feedback, Plan, checked_state
 from tpsim.control.optimality import solve_optimality
 from tpsim.control.system import LinearSystem
@@ -132,7 +132,7 @@ def receding_horizon(
 
     """
     n, m = instance("system", system, LinearSystem, "integrator(dim, dt)").B.shape
-    steps = whole("steps", steps)
+    steps = affordable("steps", steps, system.A.size, least=0)
     if not callable(reference):
         raise ArgumentError(f"reference is a {type(reference).__name__}; give reference(t, state)")
     states, controls = np.empty((steps + 1, n)), np.empty((steps, m))

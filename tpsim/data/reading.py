@@ -5,6 +5,7 @@ from importlib import import_module
 from pathlib import Path
 
 from tpsim.border import border
+from tpsim.checks import shown
 from tpsim.data.build import demonstrations_of
 from tpsim.data.columns import Columns
 from tpsim.data.recording import Recording
@@ -88,7 +89,7 @@ def recordings(
         One for every demonstration that the format itself tells apart.
     """
     if format is not None and format not in FORMATS:
-        raise ArgumentError(f"format is {format!r}; give one of {', '.join(FORMATS)}")
+        raise ArgumentError(f"format is {shown(format)}; give one of {', '.join(FORMATS)}")
     paths = [Path(path)] if isinstance(path, str | Path) else [Path(one) for one in path]
     found = [recording for one in paths for recording in _recordings(one, format)]
     if not found:

@@ -149,7 +149,7 @@ def _take_in(
     home: Home,
     others: Literal["locked", "servo"],
 ) -> Source:
-    if others not in ("locked", "servo"):
+    if not isinstance(others, str) or others not in ("locked", "servo"):
         raise ArgumentError(f"others is {shown(others)}, but must be 'locked' or 'servo'")
     spec = draft.spec
     name_elements(spec)

@@ -65,6 +65,14 @@ def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
         raise ArgumentError(f"the robot does not compile: {_line(error)}") from None
 
 
+def compiled_text(xml: str, assets: dict[str, bytes]) -> mujoco.MjModel:
+    """Compile MJCF text; an ArgumentError with MuJoCo's reason where it does not."""
+    try:
+        return mujoco.MjModel.from_xml_string(xml, assets)
+    except (ValueError, mujoco.FatalError) as error:
+        raise ArgumentError(f"the robot does not compile with its limits: {_line(error)}") from None
+
+
 def name_elements(spec: mujoco.MjSpec) -> None:
     """Give every joint, actuator and tendon without a name one that is not taken."""
     for kind, elements in (

@@ -129,11 +129,11 @@ class Robot:
 
     @classmethod
     def _of(cls, found: "Source") -> "Robot":
-        import mujoco
 
         from tpsim.robot.description import Description
+        from tpsim.robot.reading import compiled_text
 
-        model = mujoco.MjModel.from_xml_string(found.spec.to_xml(), dict(found.assets))
+        model = compiled_text(found.spec.to_xml(), dict(found.assets))
         return cls.of(model, Description.of(found), found)
 
     @classmethod

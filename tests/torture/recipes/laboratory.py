@@ -78,6 +78,7 @@ def _robot(book: Book) -> None:
     add(
         "lab.Robot.from_mjcf",
         lab.Robot.from_mjcf,
+        words=("limits",),
         source=ARM,
         hands=hands,
         home=(0.4, 0.9),
@@ -89,6 +90,7 @@ def _robot(book: Book) -> None:
     add(
         "lab.Robot.from_urdf",
         lab.Robot.from_urdf,
+        words=("limits",),
         path=str(urdf),
         hands={"hand": "link"},
         packages=None,
@@ -109,7 +111,7 @@ def _robot(book: Book) -> None:
     add(
         "lab.reach",
         lab.reach,
-        words=("poses",),
+        words=("poses", "site", "target"),
         robot=ROBOT,
         targets={"tip": STATE.pose("tip")},
         start=START,
@@ -233,6 +235,7 @@ def _worlds(book: Book) -> None:
     add(
         "lab.rollout",
         lab.rollout,
+        patient=("duration",),
         world=WORLD,
         controller=Made(lambda: lab.FixedImpedance(START, 100.0)),
         start=START,
@@ -459,11 +462,21 @@ def _tasks(book: Book) -> None:
     add("lab.Task.in_world", TASK.in_world, world=WORLD)
     add("lab.Task.outcome", TASK.outcome, trial=TRIAL)
     add("lab.draw_situation", lab.draw_situation, task=TASK, seed=0, index=1, draw=None)
-    add("lab.teach", lab.teach, task=TASK, count=1, seed=0, behaviours=["bring"], progress=None)
+    add(
+        "lab.teach",
+        lab.teach,
+        patient=("count",),
+        task=TASK,
+        count=1,
+        seed=0,
+        behaviours=["bring"],
+        progress=None,
+    )
     add("lab.learn", lab.learn, task=TASK, taught=dict(TAUGHT))
     add(
         "lab.perform",
         lab.perform,
+        patient=("duration",),
         task=TASK,
         models=dict(MODELS),
         situation=SITUATION,
@@ -578,6 +591,7 @@ def _studies(book: Book) -> None:
     add(
         "lab.load_study",
         lab.load_study,
+        words=("study",),
         reference="cup-and-sugar",
         names={"cup-and-sugar": "tpsim.tasks.tracking.study:study"},
     )

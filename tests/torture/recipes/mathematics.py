@@ -340,6 +340,7 @@ def _learning(book: Book) -> None:
     add(
         "frame_relevance",
         tp.frame_relevance,
+        words=("frame",),
         model=PLACES,
         demonstration=DEMONSTRATIONS[0],
         dims=[0, 1],
@@ -401,6 +402,7 @@ def _hidden(book: Book) -> None:
         add(
             name,
             fit,
+            words=("data", "sample", "demonstration", "component"),
             sequences=PATHS,
             components=2,
             topology="left-right",

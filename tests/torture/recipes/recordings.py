@@ -53,7 +53,14 @@ def book() -> Book:
 
 def _cleaning(book: Book) -> None:
     add = book.add
-    add("data.aligned", data.aligned, demonstrations=DEMONSTRATIONS, band=0.2, by="data")
+    add(
+        "data.aligned",
+        data.aligned,
+        words=("time",),
+        demonstrations=DEMONSTRATIONS,
+        band=0.2,
+        by="data",
+    )
     add("data.resampled", data.resampled, demonstration=ONE, times=None, rate=20.0, smooth=False)
     add("data.resampled", data.resampled, demonstration=ONE, times=10, smooth=True)
     add("data.smoothed", data.smoothed, words=("sample",), demonstration=ONE, window=0.2, order=3)

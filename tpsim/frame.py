@@ -106,12 +106,15 @@ class Frame(Stored):
 
         Where A has no inverse its pseudo-inverse answers: the closest, shortest X.
         """
-        x = _points("x", x, self.dim)
+        x = _points("x", x, self.dim, self.shape)
         return np.matmul(self.inverse, (x - self.b)[..., None])[..., 0]
 
     def to_common(self, x: ArrayLike) -> np.ndarray:
         """Carry local points (..., d) to common coordinates: A X + b, (..., D)."""
-        return np.matmul(self.A, _points("x", x, self.local_dim)[..., None])[..., 0] + self.b
+        return (
+            np.matmul(self.A, _points("x", x, self.local_dim, self.shape)[..., None])[..., 0]
+            + self.b
+        )
 
     def with_input(self, n: int = 1) -> "Frame":
         """Lift by ``n`` inputs, such as time, that the frame leaves alone, Eq. (20)."""
@@ -179,8 +182,15 @@ def _well_conditioned(A: np.ndarray, inverse: np.ndarray) -> bool:
     return bool((bounds < WORST_CONDITION).all())
 
 
-def _points(name: str, x: ArrayLike, dim: int) -> np.ndarray:
+def _points(name: str, x: ArrayLike, dim: int, shape: tuple[int, ...]) -> np.ndarray:
     x = finite_array(name, x)
     if x.shape[-1:] != (dim,):
         raise ArgumentError(f"{name} has shape {x.shape}; its last axis must be {dim}")
+    if shape and x.shape[:-1] != shape:
+        try:
+            np.broadcast_shapes(x.shape[:-1], shape)
+        except ValueError:
+            raise ArgumentError(
+                f"{name} has leading axes {x.shape[:-1]}, the frame {shape}; they must broadcast"
+            ) from None
     return x

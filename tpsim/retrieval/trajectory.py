@@ -55,7 +55,8 @@ def derivative_operator(
     from scipy.sparse import coo_array, eye_array, kron
 
     dt = _check_grid(steps, dt, derivatives, differences)
-    dim = whole("dim", dim, least=1)
+    steps, derivatives = int(steps), int(derivatives)
+    dim = affordable("dim", dim, steps * (derivatives + 1))
     order = derivatives + 1
     windows = _windows(steps, dt, order, differences)
     start = np.arange(steps) - (order - 1 if differences == "backward" else 0)

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import mujoco
 import numpy as np
 
+from tpsim.border import read
 from tpsim.checks import finite_array, shown
 from tpsim.errors import ArgumentError
 
@@ -106,7 +107,7 @@ def _within(model: mujoco.MjModel, joint: int, position: float) -> float:
 def _given(model: mujoco.MjModel, joints: Sequence[str], home: Home) -> dict[str, float]:
     if home is None:
         return {}
-    named = home if isinstance(home, Mapping) else None
+    named = read("home", home, Mapping[str, object]) if isinstance(home, Mapping) else None
     try:
         values = finite_array("home", list(home.values()) if isinstance(home, Mapping) else home)
     except ArgumentError:

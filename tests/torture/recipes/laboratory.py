@@ -461,7 +461,7 @@ def _tasks(book: Book) -> None:
     )
     add("lab.Task.in_world", TASK.in_world, world=WORLD)
     add("lab.Task.outcome", TASK.outcome, trial=TRIAL)
-    add("lab.draw_situation", lab.draw_situation, task=TASK, seed=0, index=1, draw=None)
+    add("lab.draw_situation", lab.draw_situation, task=TASK, seed=0, index=1)
     add(
         "lab.teach",
         lab.teach,
@@ -470,7 +470,6 @@ def _tasks(book: Book) -> None:
         count=1,
         seed=0,
         behaviours=["bring"],
-        progress=None,
     )
     add("lab.learn", lab.learn, task=TASK, taught=dict(TAUGHT))
     add(

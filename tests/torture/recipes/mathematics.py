@@ -761,7 +761,7 @@ def _control(book: Book) -> None:
     add(
         "lqr",
         tp.lqr,
-        words=("A has", "B has", "A hold", "B hold", "A must", "B must"),
+        words=("A has", "B has", "A hold", "B hold", "A must", "B must", "B is", "A is"),
         system=SYSTEM,
         Q=np.eye(4),
         R=np.eye(2),
@@ -770,7 +770,7 @@ def _control(book: Book) -> None:
     add(
         "lqr",
         tp.lqr,
-        words=("A has", "B has", "A hold", "B hold", "A must", "B must"),
+        words=("A has", "B has", "A hold", "B hold", "A must", "B must", "B is", "A is"),
         system=(np.array([[1.0, 0.1], [0.0, 1.0]]), np.array([[0.0], [0.1]])),
         Q=np.eye(2),
         R=1.0,

@@ -61,8 +61,23 @@ def _cleaning(book: Book) -> None:
         band=0.2,
         by="data",
     )
-    add("data.resampled", data.resampled, demonstration=ONE, times=None, rate=20.0, smooth=False)
-    add("data.resampled", data.resampled, demonstration=ONE, times=10, smooth=True)
+    add(
+        "data.resampled",
+        data.resampled,
+        words=("time", "sample"),
+        demonstration=ONE,
+        times=None,
+        rate=20.0,
+        smooth=False,
+    )
+    add(
+        "data.resampled",
+        data.resampled,
+        words=("time", "sample"),
+        demonstration=ONE,
+        times=10,
+        smooth=True,
+    )
     add("data.smoothed", data.smoothed, words=("sample",), demonstration=ONE, window=0.2, order=3)
     add(
         "data.trimmed",

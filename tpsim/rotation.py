@@ -163,7 +163,10 @@ def warn_of_turns(name: str, quaternions: np.ndarray) -> None:
 
 def mean(R: ArrayLike) -> np.ndarray:
     """Mean rotation (3, 3) of rotation matrices (N, 3, 3): least sum of squared chordal errors."""
-    return _scipy().from_matrix(_writable(_matrices(R))).mean().as_matrix()
+    given = _matrices(R)
+    if given.ndim != 3 or not len(given):
+        raise ArgumentError(f"R has shape {given.shape}; give (N, 3, 3), N >= 1")
+    return _scipy().from_matrix(_writable(given)).mean().as_matrix()
 
 
 def left_jacobian_inverse(w: ArrayLike) -> np.ndarray:

@@ -338,6 +338,8 @@ def corruptions(good: object) -> list[Hostile]:
     """All ways to spoil one argument whose good value is given."""
     number = numeric(good)
     found = [h._replace(nonsense=h.nonsense and number) for h in TYPES + NUMBERS]
+    if callable(good):  # what a function of yours does is yours
+        found = [h for h in found if h.label not in ("class", "function")]
     if number:
         found += list(spoiled(np.asarray(good, float)))
     if isinstance(good, list | tuple | dict) and len(good) and not hasattr(good, "_fields"):

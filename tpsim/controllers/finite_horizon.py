@@ -101,6 +101,11 @@ class FiniteHorizon(RenewedImpedance):
         self._arm = slice(first, first + len(joints))
         if robot.joints[self._arm] != tuple(joints):
             raise ArgumentError(f"joints {joints} do not follow each other on the robot")
+        if posture.mean.shape[1:] != (len(joints),) or len(posture.mean) != len(movements[0]):
+            raise ArgumentError(
+                f"posture has means of shape {posture.mean.shape}; with these joints and movements "
+                f"give ({len(movements[0])}, {len(joints)})"
+            )
         self._system = integrator(6, dt, exact=True)
         self._steps, self._tail = len(movements[0]), round(TAIL / dt)
         # The costs of torque change slowly: one posture stands for some of its neighbours.

@@ -129,7 +129,7 @@ def align(
         No demonstrations, different dimensions, or an argument out of its range.
     """
     demonstrations = several("demonstrations", demonstrations, Demonstration)
-    rounds = whole("rounds", rounds, least=1)
+    rounds = whole("rounds", rounds, least=1, most=1000)
     if not demonstrations:
         raise ArgumentError("no demonstrations were given; give at least one")
     demonstrations = agreed_with_warning(demonstrations)

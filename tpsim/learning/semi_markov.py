@@ -83,12 +83,12 @@ class SemiMarkovChain(Part):
 
         No duration will vary less than by ``spread`` times ``stay``, or one step.
         """
-        least = max(1.0, (spread * stay) ** 2)
+        follow, least = successors(components, topology), max(1.0, (spread * stay) ** 2)
         mean = np.full((components, 1), stay)
         variance = np.full((components, 1, 1), max(least, (0.5 * stay) ** 2))
         return cls(
             first_states(components, topology),
-            successors(components, topology),
+            follow,
             Gaussian(mean, variance),
             least,
         )

@@ -12,7 +12,7 @@ import numpy as np
 from tpsim.border import Endless, Number, Positive, SeedNumber, border, checked
 from tpsim.checks import instance
 from tpsim.demonstration import Demonstration
-from tpsim.errors import SimulationError
+from tpsim.errors import ArgumentError, SimulationError
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.robot.views.view import View, observe
 from tpsim.world.impedance import Controller
@@ -166,6 +166,17 @@ class Task(ABC):
     def __getstate__(self) -> dict[str, object]:
         """The fields travel to other processes, the compiled world does not."""
         return {name: value for name, value in self.__dict__.items() if name != "stage"}
+
+
+def controller_of(task: Task, models: Models, situation: Situation) -> Controller:
+    """The task's own controller; an ArgumentError where a behaviour has no model."""
+    try:
+        return task.controller(task.stage, models, situation)
+    except KeyError as error:
+        missing = [name for name in task.behaviours() if name not in models]
+        if not missing or error.args[0] not in missing:
+            raise
+        raise ArgumentError(f"models hold no '{missing[0]}', only {list(models)}") from None
 
 
 @border

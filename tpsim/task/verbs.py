@@ -7,7 +7,7 @@ from tpsim.checks import choice
 from tpsim.errors import ArgumentError
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.task.check import check
-from tpsim.task.task import Models, Situation, Task, demonstration
+from tpsim.task.task import Models, Situation, Task, controller_of, demonstration
 from tpsim.world.episode import Person
 from tpsim.world.impedance import Controller
 from tpsim.world.plant import NOMINAL, Plant
@@ -115,7 +115,7 @@ def perform(
         How the simulated robot differs from the controller's model.
     """
     if controller is None:
-        controller = task.controller(task.stage, models, situation)
+        controller = controller_of(task, models, situation)
     trial = rollout(
         task.stage,
         controller,

@@ -78,7 +78,7 @@ def _robot(book: Book) -> None:
     add(
         "lab.Robot.from_mjcf",
         lab.Robot.from_mjcf,
-        words=("limits",),
+        words=("limits", "file"),
         source=ARM,
         hands=hands,
         home=(0.4, 0.9),
@@ -90,7 +90,7 @@ def _robot(book: Book) -> None:
     add(
         "lab.Robot.from_urdf",
         lab.Robot.from_urdf,
-        words=("limits",),
+        words=("limits", "file"),
         path=str(urdf),
         hands={"hand": "link"},
         packages=None,
@@ -281,7 +281,7 @@ def _people(book: Book) -> None:
     add = book.add
     grip = {"stiffness": 400.0, "damping": 40.0, "angular_stiffness": 60.0, "angular_damping": 2.5,
             "max_force": 60.0, "max_torque": 8.0}  # fmt: skip
-    add("lab.Grip", lab.Grip, **grip)
+    add("lab.Grip", lab.Grip, infinite=True, **grip)
     add(
         "lab.HandPath",
         HandPath,
@@ -314,6 +314,7 @@ def _people(book: Book) -> None:
     add(
         "lab.Lead",
         lab.Lead,
+        infinite=True,
         site="tip",
         origin=(0.3, 0.2, 0.0),
         travel=(0.0, 0.01, 0.0),
@@ -415,6 +416,7 @@ def _control(book: Book) -> None:
     add(
         "lab.FiniteHorizon",
         lab.FiniteHorizon,
+        words=("posture",),
         robot=ROBOT,
         objects=["mark"],
         movements=[movement],
@@ -471,7 +473,7 @@ def _tasks(book: Book) -> None:
         seed=0,
         behaviours=["bring"],
     )
-    add("lab.learn", lab.learn, task=TASK, taught=dict(TAUGHT))
+    add("lab.learn", lab.learn, words=("demonstration",), task=TASK, taught=dict(TAUGHT))
     add(
         "lab.perform",
         lab.perform,
@@ -546,6 +548,8 @@ def _studies(book: Book) -> None:
     add(
         "lab.Measure",
         lab.Measure,
+        takes={"window": {"one inf"}},
+        infinite=True,
         name="gap",
         of=VIEW,
         unit="mm",

@@ -487,7 +487,7 @@ def _retrieval(book: Book) -> None:
     add = book.add
     add("gmr", tp.gmr, gmm=GMM, inputs=TIME, given=(0,), of=(1, 2), ridge=1e-6)
     add("gmr_mixture", tp.gmr_mixture, gmm=GMM, inputs=TIME, given=0, of=[1])
-    add("Regression.of", tp.Regression.of, gmm=GMM, given=0, of=None, ridge=0.0)
+    add("Regression.of", tp.Regression.of, words=("of is",), gmm=GMM, given=0, of=None, ridge=0.0)
     for method in ("__call__", "mixture", "weights"):
         add(f"Regression.{method}", getattr(REGRESSION, method), inputs=TIME)
     add("Regression.at", REGRESSION.at, point=0.3)
@@ -631,9 +631,29 @@ def _retrieval(book: Book) -> None:
     add("TPTrajectoryDistribution", tp.TPTrajectoryDistribution, frames=list(TPDISTRIBUTION.frames))
     add("TPTrajectoryDistribution.adapt", TPDISTRIBUTION.adapt, words=("noise",), frames=FRAMES)
     options = {"width": 0.2, "ridge": 1e-6, "weight_ridge": 1e-6, "noise": 1e-3}
-    add("fit_promp", tp.fit_promp, words=("demonstration",), trajectories=PATHS, count=3, **options)
-    add("fit_promp", tp.fit_promp, words=("demonstration",), trajectories=DEMONSTRATIONS, count=3)
-    add("fit_tp_promp", tp.fit_tp_promp, demonstrations=DEMONSTRATIONS, count=3, **options)
+    add(
+        "fit_promp",
+        tp.fit_promp,
+        words=("demonstration", "covariance"),
+        trajectories=PATHS,
+        count=3,
+        **options,
+    )
+    add(
+        "fit_promp",
+        tp.fit_promp,
+        words=("demonstration", "covariance"),
+        trajectories=DEMONSTRATIONS,
+        count=3,
+    )
+    add(
+        "fit_tp_promp",
+        tp.fit_tp_promp,
+        words=("covariance",),
+        demonstrations=DEMONSTRATIONS,
+        count=3,
+        **options,
+    )
     add("ProMP", tp.ProMP, weights=PROMP.weights, count=3, width=0.2, noise=1e-3)
     add("ProMP.distribution", PROMP.distribution, steps=5)
     add("ProMP.distribution", PROMP.distribution, steps=np.array([0.1, 0.5]))
@@ -701,7 +721,7 @@ def _processes(book: Book) -> None:
     add(
         "fit_gp_gmm",
         tp.fit_gp_gmm,
-        words=("mixture", "inputs"),
+        words=("mixture", "inputs", "variance"),
         tasks=TASKS,
         gmms=MIXTURES,
         kernel=KERNEL,
@@ -711,7 +731,7 @@ def _processes(book: Book) -> None:
     add(
         "fit_gp_gmm",
         tp.fit_gp_gmm,
-        words=("mixture", "inputs"),
+        words=("mixture", "inputs", "variance"),
         tasks=TASKS,
         gmms=MIXTURES,
         encoding="entries",

@@ -64,7 +64,7 @@ def _cleaning(book: Book) -> None:
     add(
         "data.resampled",
         data.resampled,
-        words=("time", "sample"),
+        words=("time", "sample", "rate"),
         demonstration=ONE,
         times=None,
         rate=20.0,
@@ -73,7 +73,7 @@ def _cleaning(book: Book) -> None:
     add(
         "data.resampled",
         data.resampled,
-        words=("time", "sample"),
+        words=("time", "sample", "rate"),
         demonstration=ONE,
         times=10,
         smooth=True,
@@ -82,6 +82,7 @@ def _cleaning(book: Book) -> None:
     add(
         "data.trimmed",
         data.trimmed,
+        words=("columns",),
         demonstration=ONE,
         still=0.05,
         margin=0.1,
@@ -189,21 +190,21 @@ def _files(book: Book) -> None:
         add(
             f"data.{write}",
             _in_new_folder(getattr(data, write)),
-            words=("demonstration", "trial", "write", "new folder", "d1"),
+            words=("demonstration", "trial", "write", "new folder", "d1", "fps"),
             path=Made(lambda e=ending: _new(e)),
             items=[ONE] if write != "write_robomimic" else DEMONSTRATIONS,
         )
     add(
         "data.write_csv",
         _in_new_folder(data.write_csv),
-        words=("demonstration", "trial", "write", "d1"),
+        words=("demonstration", "trial", "write", "d1", "fps"),
         path=Made(lambda: _new("csv")),
         items=[TRIAL],
     )
     add(
         "data.write",
         _in_new_folder(data.write),
-        words=("demonstration", "trial", "ends with", "write", "d1"),
+        words=("demonstration", "trial", "ends with", "write", "d1", "fps"),
         path=Made(lambda: _new("npz")),
         items=[ONE],
     )

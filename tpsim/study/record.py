@@ -5,6 +5,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from tpsim.border import border, checked
+from tpsim.checks import shown
+from tpsim.errors import ItemError
 from tpsim.robot.views.observe import observe
 from tpsim.robot.views.view import View
 from tpsim.study.condition import Condition
@@ -32,10 +35,14 @@ class Record:
     models: Models
     all: "Records" = field(repr=False)
 
+    def __post_init__(self) -> None:
+        checked(self)
+
     def __getitem__(self, name: str) -> np.ndarray:
         """Return a signal of the trial."""
         return self.trial[name]
 
+    @border
     def see(self, view: View) -> np.ndarray:
         """Value (T, d) of a view along the trial; computed once."""
         known: dict[View, np.ndarray] = self.__dict__.setdefault("_seen", {})
@@ -44,6 +51,7 @@ class Record:
             (known[view],) = observe(robot, [view], trial["q"], trial.objects)
         return known[view]
 
+    @border
     def beside(self, label: str = "unpushed", controller: str | None = None) -> "Record | None":
         """The record of another label in the same situation; of the same controller by default.
 
@@ -71,10 +79,12 @@ class Records(Sequence[Record]):
     trials : sequence of (Condition, Trial)
     """
 
+    @border
     def __init__(self, task: Task, models: Models, trials: Sequence[tuple[Condition, Trial]] = ()):
         self.task, self.models = task, models
         self._records = [Record(c, t, task, models, self) for c, t in trials]
 
+    @border
     def add(self, condition: Condition, trial: Trial) -> Record:
         """Add what happened under a condition."""
         record = Record(condition, trial, self.task, self.models, self)
@@ -83,7 +93,10 @@ class Records(Sequence[Record]):
 
     def __getitem__(self, index):  # type: ignore[no-untyped-def]
         """Return a record by its number."""
-        return self._records[index]
+        try:
+            return self._records[index]
+        except (IndexError, TypeError) as error:
+            raise ItemError(f"index is {shown(index)}; {error}") from None
 
     def __iter__(self) -> Iterator[Record]:
         """Iterate over the records."""
@@ -93,6 +106,7 @@ class Records(Sequence[Record]):
         """Return the number of records."""
         return len(self._records)
 
+    @border
     def select(
         self, label: str | Sequence[str] | None = None, controller: str | None = "learned"
     ) -> list[Record]:
@@ -105,6 +119,7 @@ class Records(Sequence[Record]):
             and (controller is None or record.condition.controller == controller)
         ]
 
+    @border
     def groups(self, texts: Mapping[str, str]) -> dict[str, list[Record]]:
         """The learned controller's records under each text, of those labels that have any."""
         found = {text: self.select(label) for label, text in texts.items()}

@@ -6,12 +6,12 @@ the version of this layout. :func:`load` reads any of them back as the class tha
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
-from os import PathLike
 from pathlib import Path
 from typing import ClassVar, Self
 
 import numpy as np
 
+from tpsim import checks
 from tpsim.errors import ArgumentError, RecordingError, one_line
 from tpsim.npz import read_members, write_members
 
@@ -81,14 +81,12 @@ def load(path: str | Path) -> Stored:
 
 def save_arrays(path: str | Path, arrays: Mapping[str, np.ndarray]) -> Path:
     """Write named arrays with the version of this layout."""
-    return write_members(path, {"schema": np.array(SCHEMA), **arrays})
+    return write_members(checks.path("path", path), {"schema": np.array(SCHEMA), **arrays})
 
 
 def load_arrays(path: str | Path) -> Arrays:
     """Read the arrays of an archive; RecordingError where it is missing or damaged."""
-    if not isinstance(path, str | PathLike):
-        raise ArgumentError(f"path is a {type(path).__name__}; give a file name")
-    return read_members(path)
+    return read_members(checks.path("path", path))
 
 
 def _packed(prefix: str, value: object) -> Arrays:

@@ -64,6 +64,17 @@ def own(value: object, *names: str) -> None:
             object.__setattr__(value, name, frozen(np.array(array)))
 
 
+def shown(value: object) -> str:
+    """What was given, in a few words on one line."""
+    if getattr(type(value), "__module__", "").startswith("tpsim."):
+        return f"a {type(value).__name__}"
+    try:
+        words = " ".join(repr(value).split())
+    except Exception:  # whatever a foreign object raises, or an integer too long to print
+        words = f"a {type(value).__name__}"
+    return words if len(words) <= 80 else f"{words[:77]}..."
+
+
 def place(wrong: np.ndarray) -> str:
     """Where the first true entry is: ``in row 3 of 100, column 1``."""
     if wrong.ndim == 0:
@@ -78,7 +89,8 @@ def array_of(name: str, value: object) -> NDArray[Any]:
     try:
         return np.asarray(value)
     except Exception as error:  # whatever the conversion of a foreign object raises
-        raise ArgumentError(f"{name} must be an array of numbers; {error}") from error
+        words = " ".join(str(error).split())[:120]
+        raise ArgumentError(f"{name} must be an array of numbers; {words}") from error
 
 
 def _floats(name: str, value: object) -> Floats:
@@ -92,6 +104,8 @@ def _floats(name: str, value: object) -> Floats:
             raise ArgumentError(
                 f"{name} has masked entries, the first {where}; fill or remove them first"
             )
+    if isinstance(value, bytes | bytearray):
+        raise ArgumentError(f"{name} holds bytes, no numbers; decode and convert them first")
     raw = array_of(name, value)
     if raw.dtype.kind in "fiub":
         return raw.astype(np.float64)
@@ -115,7 +129,7 @@ def _of_objects(name: str, raw: NDArray[Any], value: object) -> Floats:
         entry = raw[index]
         try:
             if isinstance(entry, str | bytes | complex) or not hasattr(entry, "__float__"):
-                raise TypeError(f"{entry!r} is no number")
+                raise TypeError(f"{shown(entry)} is no number")
             found[index] = float(entry)
         except (TypeError, ValueError, OverflowError) as error:
             names = getattr(value, "columns", None)

@@ -5,12 +5,15 @@ the one form that the code behind the border works with, or raises an ArgumentEr
 was given, what is allowed and, in an array, where the first offence is.
 """
 
-from collections.abc import Collection, Iterable
-from typing import TypeVar
+from collections.abc import Collection, Iterable, Mapping, Set
+from os import PathLike, fspath
+from pathlib import Path
+from typing import TypeVar, cast
 
 import numpy as np
 
 from tpsim.arrays import FLOAT as FLOAT
+from tpsim.arrays import HUGE as HUGE
 from tpsim.arrays import LARGEST as LARGEST
 from tpsim.arrays import Floats as Floats
 from tpsim.arrays import array_of as array_of
@@ -19,12 +22,18 @@ from tpsim.arrays import frozen as frozen
 from tpsim.arrays import frozen_array as frozen_array
 from tpsim.arrays import own as own
 from tpsim.arrays import place as place
-from tpsim.errors import ArgumentError
+from tpsim.arrays import shown as shown
+from tpsim.errors import ArgumentError, ItemError
 
 Value = TypeVar("Value")
 Seed = int | np.random.Generator | None
 
 MOST = 10**9  # as many of anything nobody means
+LARGEST_SEED = 2**128
+NO_LISTS = str | bytes | bytearray | Mapping | Set  # text, and what has no order
+ROOM = 2**27  # numbers in an array: one gibibyte
+LONGEST_NAME = 1000  # letters in the path of a file
+SMALLEST = 1e-150  # number whose square is still there
 FASTEST = 1e-100  # [s]: rates of change over shorter steps leave the range of floating point
 
 
@@ -106,11 +115,13 @@ def number(
 ) -> float:
     """Finite number, where asked for at least, above, or below a limit; ``what`` says of what."""
     scalar = value
-    if isinstance(value, np.ndarray | np.generic) and value.size == 1:
+    hidden = isinstance(value, np.ma.MaskedArray) and bool(np.ma.getmaskarray(value).any())
+    if isinstance(value, np.ndarray | np.generic) and value.size == 1 and not hidden:
         scalar = value.item()
     if isinstance(scalar, int | float) and not isinstance(scalar, bool) and abs(scalar) < LARGEST:
         high_enough = (least is None or scalar >= least) and (above is None or scalar > above)
-        if high_enough and (below is None or scalar < below):
+        lost = above == 0 and scalar < SMALLEST
+        if high_enough and not lost and (below is None or scalar < below):
             return float(scalar)
     limits = [
         f"above {above:g}" if above else "",
@@ -122,19 +133,24 @@ def number(
     raise ArgumentError(f"{name} is {shown(value)}; give a {kind} {what}{words}")
 
 
-def shown(value: object) -> str:
-    """What was given, in a few words."""
-    try:
-        words = repr(value)
-    except Exception:  # whatever a foreign object raises, or an integer too long to print
-        words = f"a {type(value).__name__}"
-    return words if len(words) <= 80 else f"{words[:77]}..."
+def felt(name: str, value: object) -> Floats:
+    """Finite floats of which the largest does not vanish when it is squared, or all are zero."""
+    plain = type(value) is np.ndarray and value.dtype is FLOAT
+    array = cast(Floats, value) if plain else finite_array(name, value)
+    largest = np.abs(array).max(initial=0.0)
+    if SMALLEST <= largest < HUGE or largest == 0:
+        return array
+    finite_array(name, array)
+    raise ArgumentError(
+        f"{name} reaches {largest:.1e} at most; change units to come above {SMALLEST:.0e}"
+    )
 
 
 def bound(name: str, value: object) -> float:
     """Number that may be infinite, but not NaN: where an iteration ends."""
     try:
-        found = float(value) if isinstance(value, int | float | np.number) else np.nan
+        right = isinstance(value, int | float | np.number) and not isinstance(value, np.timedelta64)
+        found = float(cast(float, value)) if right else np.nan
     except OverflowError:
         found = np.nan
     if np.isnan(found):
@@ -149,17 +165,46 @@ def flag(name: str, value: object) -> bool:
     return bool(value)
 
 
-def whole(name: str, value: object, least: int = 0, hint: str = "") -> int:
-    """Whole number from ``least`` upwards."""
-    if isinstance(value, int | np.integer) and not isinstance(value, bool):
-        if value > MOST:
-            raise ArgumentError(f"{name} is too large; allowed are whole numbers up to {MOST}")
+def whole(name: str, value: object, least: int = 0, hint: str = "", most: int = MOST) -> int:
+    """Whole number from ``least`` upwards, to ``most``."""
+    if isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64):
+        if value > most:
+            raise ArgumentError(f"{name} is too large; allowed are whole numbers up to {most}")
         if value >= least:
             return int(value)
     raise ArgumentError(
         f"{name} is {shown(value)}; it must be a whole number, at least {least} ({least} or more)"
         + (f"; {hint}" if hint else "")
     )
+
+
+def affordable(name: str, count: object, each: int = 1, least: int = 1) -> int:
+    """Whole number of things of which each takes ``each`` numbers, within a gibibyte together."""
+    found = whole(name, count, least)
+    if found * max(each, 1) > ROOM:
+        raise ArgumentError(
+            f"{name} is {found}: that takes {8 * found * each / 2**30:.1f} GiB; give at most "
+            f"{ROOM // max(each, 1)}"
+        )
+    return found
+
+
+def picked(array: np.ndarray, index: object) -> np.ndarray:
+    """Part of an array; an ItemError where the index means nothing."""
+    try:
+        found: np.ndarray = array[cast(int, index)]
+    except Exception as error:  # whatever numpy, or a foreign object, raises
+        raise ItemError(f"index is {shown(index)}; {' '.join(str(error).split())[:200]}") from None
+    return found
+
+
+def path(name: str, value: object) -> Path:
+    """Name of a file or a folder."""
+    if isinstance(value, str | PathLike):
+        text = fspath(value)
+        if isinstance(text, str) and text.isprintable() and 0 < len(text) < LONGEST_NAME:
+            return Path(text)
+    raise ArgumentError(f"{name} is {shown(value)}; give the name of a file or a folder")
 
 
 def choice(name: str, value: object, allowed: Collection[str]) -> str:
@@ -184,12 +229,9 @@ def several(name: str, value: object, kind: type[Value], hint: str = "") -> list
     """List of values of a class; one alone counts as a list of one."""
     if isinstance(value, kind):
         return [value]
-    if not _iterable(value) or not isinstance(value, Iterable):
-        raise ArgumentError(
-            f"{name} is a {type(value).__name__}; give one or more {kind.__name__}"
-            + (f"; {hint}" if hint else "")
-        )
-    return [instance(f"{name}[{i}]", one, kind, hint) for i, one in enumerate(value)]
+    wanted = f"one or more {kind.__name__}" + (f"; {hint}" if hint else "")
+    items = _items(name, value, wanted)
+    return [instance(f"{name}[{i}]", one, kind, hint) for i, one in enumerate(items)]
 
 
 def entries(name: str, value: object, *, tables: bool = True) -> list[object]:
@@ -199,14 +241,17 @@ def entries(name: str, value: object, *, tables: bool = True) -> list[object]:
     """
     if tables and is_table(name, value):
         return [value]
-    if not _iterable(value):
-        raise ArgumentError(f"{name} is {shown(value)}; give a sequence")
-    return list(value) if isinstance(value, Iterable) else []
+    return _items(name, value, "a sequence")
 
 
-def _iterable(value: object) -> bool:
-    flat = isinstance(value, np.ndarray) and value.ndim == 0
-    return isinstance(value, Iterable) and not isinstance(value, str | bytes) and not flat
+def _items(name: str, value: object, wanted: str) -> list[object]:
+    """Items of what has an order; text, a mapping and a set are no sequences."""
+    if isinstance(value, Iterable) and not isinstance(value, NO_LISTS):
+        try:
+            return list(value)
+        except Exception:  # whatever a foreign object, or an array without axes, raises
+            pass
+    raise ArgumentError(f"{name} is {shown(value)}; give {wanted}")
 
 
 def is_table(name: str, value: object) -> bool:
@@ -218,7 +263,7 @@ def is_table(name: str, value: object) -> bool:
 def dimensions(name: str, value: object, size: int) -> np.ndarray:
     """Different indices out of 0 ... size - 1, counted from the end where negative."""
     dims = np.atleast_1d(array_of(name, value))
-    if dims.dtype == bool or not np.issubdtype(dims.dtype, np.integer) or dims.ndim != 1:
+    if dims.dtype.kind not in "iu" or dims.ndim != 1:
         raise ArgumentError(f"{name} is {shown(value)}; it must be at least one integer")
     if dims.size == 0 or dims.min() < -size or dims.max() >= size:
         raise ArgumentError(
@@ -236,8 +281,10 @@ def generator(name: str, rng: Seed, default: int | None = None) -> np.random.Gen
     if isinstance(rng, np.random.Generator):
         return rng
     seed = default if rng is None else rng
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+    right = isinstance(seed, int | np.integer) and not isinstance(seed, bool | np.timedelta64)
+    number_of_it = int(cast(int, seed)) if right else -1
+    if not 0 <= number_of_it < LARGEST_SEED:
         raise ArgumentError(
-            f"{name} is {shown(rng)}; give a numpy Generator or a seed, an int >= 0"
+            f"{name} is {shown(rng)}; give a numpy Generator or a seed, an int from 0 below 2^128"
         )
-    return np.random.default_rng(int(seed))
+    return np.random.default_rng(number_of_it)

@@ -10,9 +10,19 @@ from numpy.typing import ArrayLike
 from tpsim import rotation
 from tpsim.agreement import warn_of_jumps
 from tpsim.archive import Stored
-from tpsim.checks import entries, finite_array, flag, frozen, frozen_array, several, stamps, whole
+from tpsim.checks import (
+    affordable,
+    entries,
+    finite_array,
+    flag,
+    frozen,
+    frozen_array,
+    several,
+    shown,
+    stamps,
+)
 from tpsim.errors import ArgumentError
-from tpsim.frame import Frame
+from tpsim.frame import Frame, as_before
 from tpsim.timeline import differentiate, interpolate, new_times
 
 
@@ -58,7 +68,7 @@ class Demonstration(Stored):
         observations: Sequence[ArrayLike] | None = None,
         name: str = "",
     ):
-        name = str(name)
+        name = name if isinstance(name, str) else shown(name)
         label = f"demonstration {name!r}: " if name else ""
         times = frozen(np.array(stamps(f"{label}time", time)))
         values = frozen_array(f"{label}data", data)
@@ -77,7 +87,7 @@ class Demonstration(Stored):
             ("data", values),
             ("frames", tuple(given)),
             ("observations", seen),
-            ("name", str(name)),
+            ("name", name),
         ):
             object.__setattr__(self, field, value)
 
@@ -124,11 +134,12 @@ class Demonstration(Stored):
         :func:`tpsim.agree` brings several demonstrations to one sign. A DataWarning names the
         first place where neighbours are more than 60 degrees apart.
         """
-        name = str(name)
+        name = name if isinstance(name, str) else shown(name)
         label = f"demonstration {name!r}: " if name else ""
         positions = finite_array(f"{label}positions", positions)
         if positions.ndim != 2 or positions.shape[1] != 3:
             raise ArgumentError(f"{label}positions have shape {positions.shape}; give (T, 3)")
+        degrees = flag("degrees", degrees)
         q = rotation.quaternions(f"{label}orientations", orientations, convention, degrees)
         if len(q) != len(positions):
             raise ArgumentError(f"{label}{len(positions)} positions and {len(q)} orientations")
@@ -200,7 +211,7 @@ class Demonstration(Stored):
         stamps; the movement is taken to rest after its last sample, so the last derivative is
         zero.
         """
-        n = whole("n", n)
+        n = affordable("n", n, self.data.size, least=0)
         warn_of_jumps(self.data, self.name)
         extended = partial(differentiate, self.time, n=n)
         return Demonstration(
@@ -244,12 +255,4 @@ def _check_observations(
 def _resampled(frame: Frame, at) -> Frame:
     if not frame.shape:
         return frame
-    A = at(frame.A)
-    if _orthonormal(frame.A):
-        U, _, Vt = np.linalg.svd(A, full_matrices=False)
-        A = U @ Vt
-    return Frame.trusted(A, at(frame.b))
-
-
-def _orthonormal(A: np.ndarray) -> bool:
-    return bool(np.allclose(A.mT @ A, np.eye(A.shape[-1]), atol=1e-6))
+    return Frame.trusted(as_before(at(frame.A), frame.A), at(frame.b))

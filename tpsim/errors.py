@@ -13,6 +13,10 @@ class ArgumentError(TpsimError, ValueError):
     """An argument at the border is wrong: its shape, its range or its content."""
 
 
+class ItemError(ArgumentError, IndexError):
+    """An index that is out of range, or none: also what ends a loop over a value's steps."""
+
+
 class RecordingError(TpsimError):
     """A file or folder of recordings is missing, truncated or of another schema."""
 

@@ -7,7 +7,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import finite_array, frozen, frozen_array, whole
+from tpsim.checks import (
+    affordable,
+    entries,
+    finite_array,
+    frozen,
+    frozen_array,
+    instance,
+    picked,
+    whole,
+)
 from tpsim.errors import ArgumentError
 
 WORST_CONDITION = 1e10  # beyond it a square A counts as singular
@@ -88,8 +97,8 @@ class Frame(Stored):
         """Select along the leading axes, as ``frame[t]`` for the frame at step t."""
         index = index if isinstance(index, tuple) else (index,)
         return Frame.trusted(
-            self.A[(*index, Ellipsis, slice(None), slice(None))],
-            self.b[(*index, Ellipsis, slice(None))],
+            picked(self.A, (*index, Ellipsis, slice(None), slice(None))),
+            picked(self.b, (*index, Ellipsis, slice(None))),
         )
 
     def to_local(self, x: ArrayLike) -> np.ndarray:
@@ -97,16 +106,20 @@ class Frame(Stored):
 
         Where A has no inverse its pseudo-inverse answers: the closest, shortest X.
         """
-        x = _points("x", x, self.dim)
+        x = _points("x", x, self.dim, self.shape)
         return np.matmul(self.inverse, (x - self.b)[..., None])[..., 0]
 
     def to_common(self, x: ArrayLike) -> np.ndarray:
         """Carry local points (..., d) to common coordinates: A X + b, (..., D)."""
-        return np.matmul(self.A, _points("x", x, self.local_dim)[..., None])[..., 0] + self.b
+        return (
+            np.matmul(self.A, _points("x", x, self.local_dim, self.shape)[..., None])[..., 0]
+            + self.b
+        )
 
     def with_input(self, n: int = 1) -> "Frame":
         """Lift by ``n`` inputs, such as time, that the frame leaves alone, Eq. (20)."""
         n = whole("n", n, least=1)
+        affordable("n", n, (n + self.dim) * max(self.b.size // self.dim, 1))
         D, d = self.A.shape[-2:]
         A = np.zeros((*self.shape, n + D, n + d))
         A[..., :n, :n] = np.eye(n)
@@ -121,9 +134,27 @@ class Frame(Stored):
         slow beside the movement.
         """
         n = whole("n", n)
+        affordable("n", n, (n + 1) * self.A.size, least=0)
         A = np.kron(np.eye(n + 1), self.A)
         b = np.concatenate([self.b, np.zeros((*self.shape, n * self.dim))], axis=-1)
         return Frame.trusted(A, b)
+
+
+def frames_or_none(name: str, frames: object) -> list[Frame | None]:
+    """Frames, of which None stands for one that is not observed; one alone is a list of one."""
+    given = [frames] if isinstance(frames, Frame) else entries(name, frames)
+    return [
+        None if frame is None else instance(f"{name}[{j}]", frame, Frame, "or None")
+        for j, frame in enumerate(given)
+    ]
+
+
+def as_before(A: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """The nearest orthonormal matrices (..., D, d), where they were orthonormal before a change."""
+    if not np.allclose(before.mT @ before, np.eye(before.shape[-1]), atol=1e-6):
+        return A
+    U, _, Vt = np.linalg.svd(A, full_matrices=False)
+    return U @ Vt
 
 
 def pseudoinverse(A: np.ndarray) -> np.ndarray:
@@ -151,8 +182,15 @@ def _well_conditioned(A: np.ndarray, inverse: np.ndarray) -> bool:
     return bool((bounds < WORST_CONDITION).all())
 
 
-def _points(name: str, x: ArrayLike, dim: int) -> np.ndarray:
+def _points(name: str, x: ArrayLike, dim: int, shape: tuple[int, ...]) -> np.ndarray:
     x = finite_array(name, x)
     if x.shape[-1:] != (dim,):
         raise ArgumentError(f"{name} has shape {x.shape}; its last axis must be {dim}")
+    if shape and x.shape[:-1] != shape:
+        try:
+            np.broadcast_shapes(x.shape[:-1], shape)
+        except ValueError:
+            raise ArgumentError(
+                f"{name} has leading axes {x.shape[:-1]}, the frame {shape}; they must broadcast"
+            ) from None
     return x

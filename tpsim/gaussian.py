@@ -14,14 +14,15 @@ from numpy.typing import ArrayLike
 from tpsim.archive import Stored
 from tpsim.checks import (
     Seed,
+    affordable,
     dimensions,
     finite_array,
     frozen,
     frozen_array,
     generator,
     instance,
+    picked,
     several,
-    whole,
 )
 from tpsim.covariance import WORST_CONDITION as WORST_CONDITION
 from tpsim.covariance import add_ridge as add_ridge
@@ -101,8 +102,8 @@ class Gaussian(Stored):
         """Select along the leading axes."""
         index = index if isinstance(index, tuple) else (index,)
         return Gaussian.trusted(
-            self.mean[(*index, Ellipsis, slice(None))],
-            self.covariance[(*index, Ellipsis, slice(None), slice(None))],
+            picked(self.mean, (*index, Ellipsis, slice(None))),
+            picked(self.covariance, (*index, Ellipsis, slice(None), slice(None))),
         )
 
     @cached_property
@@ -125,6 +126,13 @@ class Gaussian(Stored):
         if x.shape[-1:] != (self.dim,):
             raise ArgumentError(f"x has shape {x.shape}; its last axis must be D = {self.dim}")
         W, log_det = self._whitening
+        try:
+            np.broadcast_shapes(x.shape[:-1], self.mean.shape[:-1])
+        except ValueError:
+            raise ArgumentError(
+                f"x has leading axes {x.shape[:-1]}, the mean {self.mean.shape[:-1]}; they must "
+                "broadcast, as in x[..., None, :]"
+            ) from None
         z = np.matmul(W, (x - self.mean)[..., None])[..., 0]
         return log_det - 0.5 * (self.dim * LOG_2PI + np.einsum("...i,...i", z, z))
 
@@ -197,7 +205,9 @@ class Gaussian(Stored):
         ``rng`` is a numpy Generator or a seed.
         """
         sizes = size if isinstance(size, tuple) else (size,)
-        sizes = tuple(whole("size", one) for one in sizes)
+        each = self.mean.size
+        for one in sizes:
+            each *= affordable("size", one, each, least=0)
         eigenvalues, V = np.linalg.eigh(self.covariance)
         root = V * np.sqrt(np.maximum(eigenvalues, 0))[..., None, :]
         z = generator("rng", rng).standard_normal((*sizes, *self.mean.shape))
@@ -222,7 +232,7 @@ def gaussian_product(gaussians: Sequence[Gaussian]) -> Gaussian:
         raise ArgumentError("a product needs at least one Gaussian; none was given")
     if len({g.dim for g in factors}) > 1:
         raise ArgumentError(
-            f"the factors have dimensions {[g.dim for g in factors]}; they must be equal"
+            f"the gaussians have dimensions {[g.dim for g in factors]}; they must be equal"
         )
     origin = factors[0].mean  # far from zero, differences keep the digits that sums would lose
     precision, information = np.zeros(1), np.zeros(1)
@@ -230,8 +240,10 @@ def gaussian_product(gaussians: Sequence[Gaussian]) -> Gaussian:
         for g in factors:
             precision = precision + g.precision
             information = information + g.precision @ (g.mean - origin)[..., None]
+    except ArgumentError as error:
+        raise ArgumentError(f"a factor of gaussians cannot be inverted: {error}") from error
     except ValueError as error:
-        raise ArgumentError(f"leading axes of the factors do not match ({error})") from error
+        raise ArgumentError(f"leading axes of the gaussians do not match ({error})") from error
     covariance = inverse_spd(precision, "sum of precisions")
     return Gaussian.trusted(origin + (covariance @ information)[..., 0], covariance)
 

@@ -72,7 +72,6 @@ from tpsim.retrieval.distribution import (
     fit_tp_trajectory_distribution as fit_tp_trajectory_distribution,
 )
 from tpsim.retrieval.distribution import fit_trajectory_distribution as fit_trajectory_distribution
-from tpsim.retrieval.distribution import fuse_frames as fuse_frames
 from tpsim.retrieval.dmp import Motion as Motion
 from tpsim.retrieval.dmp import attractor_path as attractor_path
 from tpsim.retrieval.dmp import decay as decay
@@ -83,6 +82,7 @@ from tpsim.retrieval.fit_tp_gmr import TPGMR as TPGMR
 from tpsim.retrieval.fit_tp_gmr import fit_tp_gmr as fit_tp_gmr
 from tpsim.retrieval.fit_tp_trajectory import TPTrajectory as TPTrajectory
 from tpsim.retrieval.fit_tp_trajectory import fit_tp_trajectory as fit_tp_trajectory
+from tpsim.retrieval.fusion import fuse_frames as fuse_frames
 from tpsim.retrieval.gmr import Regression as Regression
 from tpsim.retrieval.gmr import gmr as gmr
 from tpsim.retrieval.gmr import gmr_mixture as gmr_mixture

@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from tpsim import rotation
+from tpsim.checks import finite_array, frozen_array, instance, picked
+from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 
 
@@ -28,8 +30,19 @@ class Pose(NamedTuple):
 
     def __matmul__(self, other: "Pose") -> "Pose":  # type: ignore[override]
         """Pose ``other``, given in this frame, in the frame in which this one is given."""
+        instance("other", other, Pose)
         turned = (self.rotation @ other.position[..., None])[..., 0]
         return Pose(self.rotation @ other.rotation, self.position + turned)
+
+    def checked(self, name: str) -> "Pose":
+        """The pose of one body, (3, 3) and (3,), its rotation exact; or an ArgumentError."""
+        R, p = finite_array(f"{name} rotation", self.rotation), finite_array(name, self.position)
+        if R.shape != (3, 3) or p.shape != (3,):
+            raise ArgumentError(
+                f"{name} has a rotation of shape {R.shape} and a position of {p.shape}; give "
+                "(3, 3) and (3,)"
+            )
+        return Pose(rotation.from_quaternion(rotation.to_quaternion(R)), p)
 
     @property
     def inverse(self) -> "Pose":
@@ -44,12 +57,17 @@ class Pose(NamedTuple):
 
     def at(self, index: int) -> "Pose":
         """One of several poses: ``pose[0]`` is the rotation, since a pose is a pair."""
-        return Pose(self.rotation[index], self.position[index])
+        return Pose(picked(self.rotation, index), picked(self.position, index))
 
     @classmethod
     def of_quaternion(cls, position: np.ndarray, quaternion: np.ndarray) -> "Pose":
         """Pose of a position (..., 3) [m] and a unit quaternion (..., 4), (w, x, y, z)."""
-        return cls(rotation.from_quaternion(quaternion), np.asarray(position, float))
+        p, R = frozen_array("position", position), rotation.from_quaternion(quaternion)
+        if p.shape[-1:] != (3,) or p.shape[:-1] != R.shape[:-2]:
+            raise ArgumentError(
+                f"position has shape {p.shape} and rotation {R.shape}; give (..., 3) and (..., 4)"
+            )
+        return cls(R, p)
 
 
 def coordinates(pose: Pose, reference: np.ndarray, seen_from: Pose | None = None) -> np.ndarray:

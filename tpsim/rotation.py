@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.checks import finite_array, instance, place
+from tpsim.checks import finite_array, instance, place, shown
 from tpsim.errors import ArgumentError, DataWarning
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
+MOST_TURN = 1e8  # [rad]: beyond it rounding decides where a rotation ends
 WIDE_TURN = np.pi / 3  # [rad] between neighbouring samples: faster than any recorder should be
 
 
@@ -31,7 +32,7 @@ def _scipy() -> type[Rotation]:
 
 def skew(v: ArrayLike) -> np.ndarray:
     """Cross-product matrix: ``skew(v) @ x = v x x``, shape (..., 3) -> (..., 3, 3)."""
-    v = _shaped("vectors", v, (3,))
+    v = _shaped("v", v, (3,))
     S = np.zeros((*v.shape[:-1], 3, 3))
     S[..., 0, 1], S[..., 0, 2], S[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
     return S - np.swapaxes(S, -1, -2)
@@ -39,7 +40,7 @@ def skew(v: ArrayLike) -> np.ndarray:
 
 def exp(w: ArrayLike) -> np.ndarray:
     """Rotation matrices (..., 3, 3) of rotation vectors (..., 3) [rad]."""
-    w = _shaped("rotation vectors", w, (3,))
+    w = _turns(w)
     return (
         _scipy().from_rotvec(_writable(w.reshape(-1, 3))).as_matrix().reshape(*w.shape[:-1], 3, 3)
     )
@@ -47,7 +48,7 @@ def exp(w: ArrayLike) -> np.ndarray:
 
 def log(R: ArrayLike) -> np.ndarray:
     """Rotation vectors (..., 3) [rad] of rotation matrices (..., 3, 3); angle in [0, pi]."""
-    R = _shaped("rotations", R, (3, 3))
+    R = _shaped("R", R, (3, 3))
     try:
         return (
             _scipy()
@@ -56,7 +57,8 @@ def log(R: ArrayLike) -> np.ndarray:
             .reshape(*R.shape[:-2], 3)
         )
     except ValueError as error:
-        raise ArgumentError(f"rotations hold a matrix that is none: {error}") from error
+        words = " ".join(str(error).split())
+        raise ArgumentError(f"R holds a matrix that is none: {words}") from error
 
 
 def to_quaternion(R: ArrayLike) -> np.ndarray:
@@ -68,7 +70,7 @@ def to_quaternion(R: ArrayLike) -> np.ndarray:
 
 def from_quaternion(quaternion: ArrayLike) -> np.ndarray:
     """Rotation matrices (..., 3, 3) of quaternions (..., 4), w first, of any length but zero."""
-    quaternion = _shaped("quaternions", quaternion, (4,))
+    quaternion = _shaped("quaternion", quaternion, (4,))
     lost = np.linalg.norm(quaternion, axis=-1) == 0
     if lost.any():
         raise ArgumentError(
@@ -116,10 +118,10 @@ def quaternions(
         return ordered / length[:, None]
     if convention == "matrix":
         _check_rows(name, values, (3, 3))
-        return to_quaternion(values)
+        return to_quaternion(_matrices(values, name))
     if not re.fullmatch("[xyz]{1,3}|[XYZ]{1,3}", convention) or re.search(r"(.)\1", convention):
         raise ArgumentError(
-            f"convention is {convention!r}; give 'wxyz', 'xyzw', 'matrix', or Euler axes by "
+            f"convention is {shown(convention)}; give 'wxyz', 'xyzw', 'matrix', or Euler axes by "
             "scipy's names, such as 'xyz' (fixed) or 'ZYX' (turning)"
         )
     values = values[:, None] if values.ndim == 1 else values
@@ -161,7 +163,10 @@ def warn_of_turns(name: str, quaternions: np.ndarray) -> None:
 
 def mean(R: ArrayLike) -> np.ndarray:
     """Mean rotation (3, 3) of rotation matrices (N, 3, 3): least sum of squared chordal errors."""
-    return _scipy().from_matrix(_writable(_matrices(R))).mean().as_matrix()
+    given = _matrices(R)
+    if given.ndim != 3 or not len(given):
+        raise ArgumentError(f"R has shape {given.shape}; give (N, 3, 3), N >= 1")
+    return _scipy().from_matrix(_writable(given)).mean().as_matrix()
 
 
 def left_jacobian_inverse(w: ArrayLike) -> np.ndarray:
@@ -169,7 +174,7 @@ def left_jacobian_inverse(w: ArrayLike) -> np.ndarray:
 
     ``d log(R) / dt = left_jacobian_inverse(log(R)) @ omega``. Singular at an angle of 2 pi only.
     """
-    w = _shaped("rotation vectors", w, (3,))
+    w = _turns(w)
     angle = np.linalg.norm(w, axis=-1)[..., None, None]
     S = skew(w)
     half = angle / 2
@@ -181,7 +186,7 @@ def left_jacobian_inverse(w: ArrayLike) -> np.ndarray:
 
 def left_jacobian(w: ArrayLike) -> np.ndarray:
     """Map from the rate of ``log(R)`` to world angular velocity: (..., 3) -> (..., 3, 3)."""
-    w = _shaped("rotation vectors", w, (3,))
+    w = _turns(w)
     angle = np.linalg.norm(w, axis=-1)[..., None, None]
     S = skew(w)
     small = angle < 1e-4
@@ -196,11 +201,23 @@ def tilt(R: ArrayLike, axis: ArrayLike = (0.0, 0.0, 1.0)) -> np.ndarray:
 
     The cup's tilt: how far its axis leans from the vertical.
     """
-    axis = _shaped("axis", axis, (3,))
-    carried = _shaped("rotations", R, (3, 3)) @ axis
+    given = _shaped("axis", axis, (3,))
+    length = float(np.linalg.norm(given))
+    if not length > 0 or given.ndim != 1:
+        raise ArgumentError(f"axis is {shown(given)}; give one direction (3,)")
+    up = given / length
+    carried = _shaped("R", R, (3, 3)) @ up
     # atan2 keeps its precision near zero, where arccos has none.
-    sine = np.linalg.norm(np.cross(carried, axis), axis=-1)
-    return np.arctan2(sine, carried @ axis)
+    sine = np.linalg.norm(np.cross(carried, up), axis=-1)
+    return np.arctan2(sine, carried @ up)
+
+
+def _turns(w: ArrayLike) -> np.ndarray:
+    """Rotation vectors (..., 3) whose angle still means a direction, or an ArgumentError."""
+    w = _shaped("w", w, (3,))
+    if w.size and np.abs(w).max() > MOST_TURN:
+        raise ArgumentError(f"w reaches {np.abs(w).max():.1e} rad; give at most {MOST_TURN:.0e}")
+    return w
 
 
 def _writable(values: np.ndarray) -> np.ndarray:
@@ -212,20 +229,20 @@ def _shaped(name: str, values: ArrayLike, last: tuple[int, ...]) -> np.ndarray:
     values = finite_array(name, values)
     if values.shape[-len(last) :] != last:
         raise ArgumentError(
-            f"{name} have shape {values.shape}; the last axes must be {last}"
+            f"{name} has shape {values.shape}; the last axes must be {last}"
             + (", (w, x, y, z)" if last == (4,) else "")
         )
     return values
 
 
-def _matrices(R: ArrayLike) -> np.ndarray:
+def _matrices(R: ArrayLike, name: str = "R") -> np.ndarray:
     """Rotation matrices, or an ArgumentError for what scipy would bend into some."""
-    R = _shaped("rotations", R, (3, 3))
+    R = _shaped(name, R, (3, 3))
     wrong = np.abs(R.mT @ R - np.eye(3)).max((-1, -2)) > 1e-2
     wrong |= np.linalg.det(R) < 0
     if wrong.any():
         raise ArgumentError(
-            f"rotations hold a matrix that is none, the first {place(wrong)}: R'R must be the "
+            f"{name} holds a matrix that is none, the first {place(wrong)}: R'R must be the "
             "identity and det R one"
         )
     return R

@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.checks import finite_array, whole
+from tpsim.checks import affordable, array_of, finite_array
 from tpsim.errors import ArgumentError, DataWarning
 
 UNEVEN = 1e-3  # of the mean step: stamps that stray less count as evenly spaced
@@ -46,11 +46,11 @@ def weights(time: np.ndarray) -> np.ndarray:
 def new_times(time: np.ndarray, wanted: int | ArrayLike) -> np.ndarray:
     """Times (S,) inside the span of ``time``: as they are given, or a number of them."""
     first, last = time[0], time[-1]
-    if np.ndim(wanted) == 0:
+    if array_of("times", wanted).ndim == 0:
         count = wanted.item() if isinstance(wanted, np.generic | np.ndarray) else wanted
         if isinstance(count, float) and count.is_integer():
             count = int(count)
-        return np.linspace(first, last, whole("times", count, least=1))
+        return np.linspace(first, last, affordable("times", count, 64))
     times = finite_array("times", wanted)
     if times.ndim != 1 or times.size == 0 or times.min() < first or times.max() > last:
         raise ArgumentError(
@@ -59,10 +59,23 @@ def new_times(time: np.ndarray, wanted: int | ArrayLike) -> np.ndarray:
     return times
 
 
+def around(time: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The samples before and after each wanted time, and how far it is between them, 0 to 1.
+
+    Before the first and after the last sample the ends are held. Of two samples at one time, the
+    second counts.
+    """
+    before = np.clip(np.searchsorted(time, wanted, side="right") - 1, 0, len(time) - 1)
+    after = np.minimum(before + 1, len(time) - 1)
+    span = time[after] - time[before]
+    share = np.clip((wanted - time[before]) / np.where(span > 0, span, 1.0), 0.0, 1.0)
+    return before, after, share
+
+
 def interpolate(
     time: np.ndarray, values: np.ndarray, times: np.ndarray, smooth: bool = False
 ) -> np.ndarray:
-    """Values (T, ...) at other times (S,), by straight lines or by a cubic spline."""
+    """Values (T, ...) at other times (S,), straight between samples, held at ends, or a spline."""
     if len(time) == 1:
         return np.repeat(values, len(times), axis=0)
     if smooth:
@@ -71,9 +84,7 @@ def interpolate(
         from scipy.interpolate import CubicSpline
 
         return CubicSpline(time, values)(times)
-    after = np.clip(np.searchsorted(time, times), 1, len(time) - 1)
-    before = after - 1
-    share = (times - time[before]) / (time[after] - time[before])
+    before, after, share = around(time, times)
     share = share.reshape(-1, *(1,) * (values.ndim - 1))
     return (1 - share) * values[before] + share * values[after]
 

@@ -234,13 +234,13 @@ def test_the_scene_in_the_folder_opens_in_mujoco(learned, folder_of):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"q": np.zeros(2)}, "q has shape (2,) and dq (3,); the robot has 3 joints"),
+        ({"q": np.zeros(2)}, "q has shape (2,); the robot has 3 joints"),
         ({"dq": [0, np.nan, 0]}, "the state of joint 'joint2' is not finite"),
         ({"q": [np.inf, 0, 0]}, "the state of joint 'joint1' is not finite"),
-        ({"time": np.nan}, "time is nan s"),
+        ({"time": np.nan}, "time is nan"),
         ({"objects": {}}, "object 'first' is missing; the policy needs the poses of first, second"),
         ({"second": ((0, 1), (1, 0, 0, 0))}, "object 'second' has parts of shapes"),
-        ({"second": ((0, 1, np.nan), (1, 0, 0, 0))}, "object 'second' is at"),
+        ({"second": ((0, 1, np.nan), (1, 0, 0, 0))}, "objects['second'] is not finite"),
         ({"second": ((0, 1, 0), (0, 0, 0, 0))}, "no unit quaternion"),
     ],
 )

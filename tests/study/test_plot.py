@@ -13,7 +13,7 @@ from tpsim.world.trial import Trial
 
 
 @pytest.fixture
-def groups():
+def groups(toy):
     rng = np.random.default_rng(0)
     time = np.arange(100) / 100
     wrench = np.zeros((100, 6))
@@ -21,7 +21,7 @@ def groups():
 
     def record():
         trial = Trial({"time": time, "push_wrench": wrench, "tilt": rng.random(100)})
-        return Records(None, {}).add(Condition("pushed", Situation(())), trial)
+        return Records(toy.task, {}).add(Condition("pushed", Situation(())), trial)
 
     return {"minimal": [record() for _ in range(3)], "stiff": [record() for _ in range(3)]}
 

@@ -146,7 +146,7 @@ def test_another_task_and_models_that_do_not_fit_are_refused(recorded, toy, mode
         (("condition", "duration"), 1e9, "condition: duration is 1000000000.0 s"),
         (("condition", "plant", "latency"), 1e7, "plant.latency is"),
         (("condition", "lead", 0, "rest"), 1e7, r"lead\[0\].rest is"),
-        (("condition", "lead", 0, "duration"), -1.0, r"lead\[0\].duration is -1.0"),
+        (("condition", "lead", 0, "duration"), -1.0, "lead duration is -1.0"),
         (("condition", "situation", "objects", 0, "times"), [1e9], r"objects\[0\].times is"),
         (("condition", "situation", "seed"), -1, "situation.seed is -1"),
         (("condition", "situation", "start"), [0.1], "start posture|do not belong"),

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import finite_array, own
+from tpsim.border import checked
+from tpsim.checks import finite_array, whole
 from tpsim.control.system import LinearSystem
 from tpsim.covariance import symmetric
 from tpsim.errors import ArgumentError
@@ -32,7 +33,7 @@ class Plan(Stored):
     covariance: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        own(self, "states", "controls", "covariance")
+        checked(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,17 +59,18 @@ class Feedback(Stored):
     curvature: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        own(self, "gain", "feedforward", "curvature")
+        checked(self)
 
     def control(self, t: int, state: np.ndarray) -> np.ndarray:
         """Control u_t (..., m) at step t for a measured state (..., n)."""
-        try:
-            return self.feedforward[t] - state @ self.gain[t].T
-        except (TypeError, ValueError, IndexError) as error:
+        t, state = whole("t", t), finite_array("state", state)
+        if t >= len(self.gain) or state.shape[-1:] != self.gain.shape[-1:]:
             raise ArgumentError(
-                f"step {t} and state {np.shape(state)} do not fit a feedback of {len(self.gain)} "
-                f"steps and (..., {self.gain.shape[-1]}) states ({error})"
-            ) from error
+                f"t is {t} and state has shape {state.shape}; this feedback has {len(self.gain)} "
+                f"steps, for states (..., {self.gain.shape[-1]})"
+            )
+        control: np.ndarray = self.feedforward[t] - state @ self.gain[t].T
+        return control
 
     def rollout(self, initial: ArrayLike) -> Plan:
         """Trajectory from an initial state (n,) under this feedback.
@@ -123,7 +125,7 @@ class Feedback(Stored):
 
 def checked_state(state: ArrayLike, n: int) -> np.ndarray:
     """The state as an array (n,), or an ArgumentError."""
-    state = finite_array("state", state)
+    state = finite_array("initial", state)
     if state.shape != (n,):
-        raise ArgumentError(f"state {state} has shape {state.shape}; give {n} finite numbers")
+        raise ArgumentError(f"initial has shape {state.shape}; give a state of {n} finite numbers")
     return state

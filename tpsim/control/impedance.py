@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.checks import finite_array, instance
+from tpsim.checks import felt, instance, shown
 from tpsim.control.feedback import Feedback
 from tpsim.control.lqr import Regulator
 from tpsim.errors import ArgumentError
@@ -47,7 +47,7 @@ def impedance(precision: ArrayLike, effort: ArrayLike) -> tuple[np.ndarray, np.n
         If the precision is indefinite or not finite, or the effort is not positive.
 
     """
-    precision, effort = finite_array("precision", precision), finite_array("effort", effort)
+    precision, effort = felt("precision", precision), felt("effort", effort)
     shape = precision.shape
     if len(shape) < 2 or shape[-1] != shape[-2] or shape[-1] == 0:
         raise ArgumentError(
@@ -61,7 +61,7 @@ def impedance(precision: ArrayLike, effort: ArrayLike) -> tuple[np.ndarray, np.n
         raise ArgumentError(f"effort has shape {effort.shape}; give efforts over time as (T, 1, 1)")
     if effort.ndim == 0 or effort.shape[-1] == 1:
         if not (effort > 0).all():
-            raise ArgumentError(f"effort is {effort}; give a positive number")
+            raise ArgumentError(f"effort is {shown(effort)}; give a positive number")
         return _scaled_roots(precision / effort)
     return _congruent_roots(precision, effort)
 

@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_are, solve_discrete_are
 
 from tpsim.archive import Stored
-from tpsim.checks import finite_array, flag, own
+from tpsim.border import checked
+from tpsim.checks import felt, flag
 from tpsim.control.system import LinearSystem
 from tpsim.errors import ArgumentError
 
@@ -34,7 +35,7 @@ class Regulator(Stored):
     riccati: np.ndarray
 
     def __post_init__(self) -> None:
-        own(self, "gain", "riccati")
+        checked(self)
 
 
 def lqr(
@@ -68,7 +69,7 @@ def lqr(
     """
     A, B = _matrices(system, flag("discrete", discrete))
     n, m = B.shape
-    Q, R = finite_array("Q", Q), finite_array("R", R)
+    Q, R = felt("Q", Q), felt("R", R)
     R = R * np.eye(m) if R.ndim == 0 else R
     if Q.shape[-2:] != (n, n) or R.shape[-2:] != (m, m):
         raise ArgumentError(
@@ -94,7 +95,8 @@ def _riccati(A, B, Q, R, discrete):
     try:
         # Only the ratio of Q and R matters for the gain; a unit scale keeps the solver accurate.
         scale = np.trace(R) / len(R)
-        return scale * solve(A, B, Q / scale, R / scale)
+        with np.errstate(invalid="ignore"):  # what is not solved is not stable, and refused below
+            return scale * solve(A, B, Q / scale, R / scale)
     except (np.linalg.LinAlgError, ValueError) as error:
         raise ArgumentError(_UNSTABLE) from error
 

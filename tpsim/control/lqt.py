@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg.lapack import dposv
 
-from tpsim.checks import flag, instance, whole
+from tpsim.border import unchecked
+from tpsim.checks import HUGE, affordable, flag, instance
 from tpsim.control.feedback import Feedback, Plan, checked_state
 from tpsim.control.optimality import solve_optimality
 from tpsim.control.system import LinearSystem
@@ -131,7 +132,7 @@ def receding_horizon(
 
     """
     n, m = instance("system", system, LinearSystem, "integrator(dim, dt)").B.shape
-    steps = whole("steps", steps)
+    steps = affordable("steps", steps, system.A.size, least=0)
     if not callable(reference):
         raise ArgumentError(f"reference is a {type(reference).__name__}; give reference(t, state)")
     states, controls = np.empty((steps + 1, n)), np.empty((steps, m))
@@ -180,7 +181,15 @@ def _backward(problem: TrackingProblem, free_start: bool = False):
 
 def _feedback(problem, policy, curvature):
     n = problem.eta.shape[1]
-    return Feedback(policy[:, :, :n], -policy[:, :, n], problem.system, curvature)
+    if not np.abs(policy).max() < HUGE:
+        raise ArgumentError("precisions, effort and system give gains without end; check units")
+    return unchecked(
+        Feedback,
+        gain=np.array(policy[:, :, :n]),
+        feedforward=-policy[:, :, n],
+        system=problem.system,
+        curvature=np.array(curvature),
+    )
 
 
 def _check_start(P):

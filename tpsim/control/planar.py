@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import entries, finite_array, number, whole
+from tpsim.checks import entries, finite_array, number, shown, whole
 from tpsim.errors import ArgumentError
 
 
@@ -41,7 +41,9 @@ class PlanarChain(Stored):
     ):
         links = np.atleast_1d(finite_array("lengths", lengths))
         if links.ndim != 1 or not (links > 0).all():
-            raise ArgumentError(f"lengths {links}: give a positive length [m] for every link")
+            raise ArgumentError(
+                f"lengths {shown(links)}: give a positive length [m] for every link"
+            )
         given = range(len(links)) if joints is None else joints
         turned = tuple(whole("joints", joint) for joint in entries("joints", given))
         if not turned or len(turned) != len(links) or len(set(turned)) != len(turned):

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim import rotation
-from tpsim.checks import own
+from tpsim.border import checked
 from tpsim.control.feedback import Feedback
 from tpsim.control.lqt import lqt
 from tpsim.control.system import LinearSystem
@@ -36,7 +36,7 @@ class SeenMovement:
     reference: np.ndarray
 
     def __post_init__(self) -> None:
-        own(self, "mean", "precision", "reference")
+        checked(self)
 
     def __len__(self) -> int:
         return len(self.mean)

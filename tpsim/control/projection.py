@@ -23,7 +23,7 @@ Undamped, singular values below ``CUTOFF`` count as zero, so A is bounded at any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.checks import finite_array, number, whole
+from tpsim.checks import affordable, finite_array, number, whole
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 
@@ -52,6 +52,7 @@ def nullspace(J: ArrayLike, damping: float = 0.0) -> np.ndarray:
 def joint(n: int) -> Frame:
     """Joint-space constraint in a fixed frame, Eq. 39: A = I, b = 0, for n joints."""
     n = whole("n", n, least=1, hint="a joint frame needs at least one joint")
+    affordable("n", n, n)
     return Frame(np.eye(n), np.zeros(n))
 
 
@@ -181,7 +182,7 @@ def nullspace_absolute(
 
     """
     J, q = _posture(J, q)
-    J_other, q, x_other = _checked(J_other, q, x_other)
+    J_other, q, x_other = _checked(J_other, q, x_other, "_other")
     return _task_frame(number("gain", gain) * _secondary(J, J_other, damping), q, -x_other)
 
 
@@ -219,7 +220,7 @@ def nullspace_relative(
 
     """
     J, q = _posture(J, q)
-    J_other, q, x_other = _checked(J_other, q, x_other)
+    J_other, q, x_other = _checked(J_other, q, x_other, "_other")
     A_object, b_object = _object(A_object, b_object, J_other)
     error = _clipped(b_object - x_other, clip)
     return _task_frame(number("gain", gain) * _secondary(J, J_other, damping), q, error, A_object)
@@ -264,22 +265,24 @@ def _clipped(error: np.ndarray, clip: float | None) -> np.ndarray:
     return error * (clip / np.maximum(norm, clip))
 
 
-def _posture(J: ArrayLike, q: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+def _posture(J: ArrayLike, q: ArrayLike, name: str = "J") -> tuple[np.ndarray, np.ndarray]:
     """The Jacobian and the posture, after comparing the sizes of the configuration."""
-    J, q = finite_array("J", J), finite_array("q", q)
+    J, q = finite_array(name, J), finite_array("q", q)
     if J.ndim < 2 or q.ndim < 1 or J.shape[-1] != q.shape[-1]:
         raise ArgumentError(
-            f"J has shape {J.shape} and q {q.shape}; give J (..., m, n) and q (..., n)"
+            f"{name} has shape {J.shape} and q {q.shape}; give (..., m, n) and (..., n)"
         )
     return J, q
 
 
-def _checked(J: ArrayLike, q: ArrayLike, x: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _checked(
+    J: ArrayLike, q: ArrayLike, x: ArrayLike, other: str = ""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The arguments as arrays, after comparing the sizes of task and configuration."""
-    J, q = _posture(J, q)
-    x = finite_array("x", x)
+    J, q = _posture(J, q, f"J{other}")
+    x = finite_array(f"x{other}", x)
     if x.ndim < 1 or x.shape[-1] != J.shape[-2]:
         raise ArgumentError(
-            f"J has shape {J.shape} and x {x.shape}; give J (..., m, n) and x (..., m)"
+            f"J{other} has shape {J.shape} and x{other} {x.shape}; give (..., m, n) and (..., m)"
         )
     return J, q, x

@@ -6,7 +6,7 @@ from math import factorial
 import numpy as np
 
 from tpsim.archive import Stored
-from tpsim.checks import flag, frozen_array, number, whole
+from tpsim.checks import affordable, finite_array, flag, frozen_array, number, whole
 from tpsim.errors import ArgumentError
 
 
@@ -47,7 +47,15 @@ class LinearSystem(Stored):
 
     def step(self, state: np.ndarray, control: np.ndarray) -> np.ndarray:
         """Next state (..., n) of a discrete system: A state + B control."""
-        return state @ self.A.T + control @ self.B.T
+        state, control = finite_array("state", state), finite_array("control", control)
+        n, m = self.B.shape
+        if state.shape[-1:] != (n,) or control.shape[-1:] != (m,):
+            raise ArgumentError(
+                f"state has shape {state.shape} and control {control.shape}; give (..., {n}) and "
+                f"(..., {m})"
+            )
+        following: np.ndarray = state @ self.A.T + control @ self.B.T
+        return following
 
 
 def integrator(
@@ -80,7 +88,8 @@ def integrator(
         If dim or order is below one, or dt is not positive.
 
     """
-    dim, order = whole("dim", dim, least=1), whole("order", order, least=1)
+    order = whole("order", order, least=1)
+    dim = affordable("dim", dim, order**2 * int(whole("dim", dim, least=1)))
     if dt is not None:
         dt = number("dt", dt, above=0, what="step [s]")
     if dt is None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.checks import finite_array, instance
+from tpsim.checks import felt, finite_array, instance
 from tpsim.control.system import LinearSystem
 from tpsim.errors import ArgumentError
 
@@ -42,7 +42,7 @@ def tracking_problem(
     """Check the arguments of :func:`lqt`; several coordinate systems become one (Eq. 38)."""
     if instance("system", system, LinearSystem, "integrator(dim, dt)").dt is None:
         raise ArgumentError("the system is continuous (dt = None); give integrator(dim, dt)")
-    means, weights = finite_array("means", means), finite_array("precisions", precisions)
+    means, weights = finite_array("means", means), felt("precisions", precisions)
     n, m = system.B.shape
     if (
         means.ndim not in (2, 3)
@@ -64,7 +64,7 @@ def tracking_problem(
 
 def _checked_effort(effort: ArrayLike, T: int, m: int) -> tuple[np.ndarray, bool]:
     """R (m, m) or (T, m, m) and whether it is positive definite."""
-    R = finite_array("effort", effort)
+    R = felt("effort", effort)
     R = R * np.eye(m) if R.ndim == 0 else R
     if R.shape not in ((m, m), (T, m, m)):
         raise ArgumentError(

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.linalg.lapack import dposv
 
 from tpsim import rotation
+from tpsim.border import Count, Positive, border
 from tpsim.control.impedance import impedance
 from tpsim.control.poses import SeenMovement, fuse_poses, track_poses
 from tpsim.control.system import integrator
@@ -77,6 +78,7 @@ class FiniteHorizon(RenewedImpedance):
         Time steps for which stiffness, damping and the velocity of the reference last.
     """
 
+    @border
     def __init__(
         self,
         robot: Robot,
@@ -86,18 +88,27 @@ class FiniteHorizon(RenewedImpedance):
         *,
         joints: Sequence[str],
         site: str,
-        dt: float,
-        effort: float,
-        every: int = PERIOD,
+        dt: Positive,
+        effort: Positive,
+        every: Count = PERIOD,
     ):
         super().__init__(every)
         self.objects, self.movements, self.posture = tuple(objects), tuple(movements), posture
         self.joints, self.site, self.dt, self.effort = tuple(joints), site, dt, effort
         self._robot = robot
+        if not joints or not movements:
+            raise ArgumentError("joints and movements: give at least one of each")
+        if joints[0] not in robot.joints:
+            raise ArgumentError(f"joints are {joints}; the robot has {robot.joints}")
         first = robot.joints.index(joints[0])
         self._arm = slice(first, first + len(joints))
         if robot.joints[self._arm] != tuple(joints):
             raise ArgumentError(f"joints {joints} do not follow each other on the robot")
+        if posture.mean.shape[1:] != (len(joints),) or len(posture.mean) != len(movements[0]):
+            raise ArgumentError(
+                f"posture has means of shape {posture.mean.shape}; with these joints and movements "
+                f"give ({len(movements[0])}, {len(joints)})"
+            )
         self._system = integrator(6, dt, exact=True)
         self._steps, self._tail = len(movements[0]), round(TAIL / dt)
         # The costs of torque change slowly: one posture stands for some of its neighbours.

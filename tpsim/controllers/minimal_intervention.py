@@ -7,6 +7,7 @@ from math import atan, pi, sqrt
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
+from tpsim.border import Count, NotNegative, Positive, border
 from tpsim.checks import number
 from tpsim.controllers.friction import damping, felt_mass, loose
 from tpsim.controllers.product import Information, Product, Skill, posture_skill
@@ -48,25 +49,23 @@ class MinimalIntervention(RenewedImpedance):
         0.1 %.
     """
 
+    @border
     def __init__(
         self,
         skills: Sequence[Skill],
         *,
-        bandwidth: float | None = None,
-        friction: float = 180.0,
-        effort: float | None = None,
+        bandwidth: Positive | None = None,
+        friction: NotNegative = 180.0,
+        effort: Positive | None = None,
         prior: Gaussian | None = None,
-        every: int = 16,
+        every: Count = 16,
     ):
         super().__init__(every)
         if bandwidth is not None and effort is not None:
             raise ArgumentError("bandwidth and effort were given; give one of them")
         self.skills, self.prior = tuple(skills), prior
-        self.bandwidth = number(
-            "bandwidth", bandwidth_for() if bandwidth is None else bandwidth, above=0
-        )
-        self.friction = number("friction", friction, least=0)
-        self.effort: float | None = None if effort is None else checked_effort(effort)
+        self.bandwidth = bandwidth_for() if bandwidth is None else bandwidth
+        self.friction, self.effort = friction, effort
         self._product: Product | None = None
         self._rate = 0.0
         self._cap, self._effort = np.inf, self.effort
@@ -204,10 +203,3 @@ def check_determined(product: Information, state: State) -> None:
         f"no frame determines the motion of joint '{state.robot.joints[weakest]}'; "
         "give a prior Gaussian on the joint posture"
     )
-
-
-def checked_effort(effort: float) -> float:
-    """Return the effort, or raise ArgumentError where it is not positive."""
-    if not effort > 0:
-        raise ArgumentError(f"effort is {effort}; it must be positive")
-    return float(effort)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tpsim.border import checked
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.gmm import log_priors
@@ -28,6 +29,7 @@ class Skill:
     model: TPGMM
 
     def __post_init__(self) -> None:
+        checked(self)
         if len(self.views) != len(self.model.frames):
             raise ArgumentError(
                 f"{len(self.views)} views {tuple(self.views)} were given for a model of "

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
-from tpsim.controllers.minimal_intervention import MinimalIntervention, checked_effort, optimum
+from tpsim.border import Count, Positive, border
+from tpsim.controllers.minimal_intervention import MinimalIntervention, optimum
 from tpsim.controllers.product import Information, Skill
 from tpsim.robot.state import State
 from tpsim.robot.views.view import Seen
@@ -38,11 +39,12 @@ class Pursuit(MinimalIntervention):
         Control steps for which stiffness, damping and velocity last.
     """
 
-    def __init__(self, skills: Sequence[Skill], *, effort: float, every: int = 25):
+    @border
+    def __init__(self, skills: Sequence[Skill], *, effort: Positive, every: Count = 25):
         # What moves must be led in every direction: here a frame counts as it was learned.
         whole = [Skill(s.views, replace(s.model, relevance=())) for s in skills]
         super().__init__(whole, effort=effort, every=every)
-        self.cost = checked_effort(effort)
+        self.cost = effort
         self._was: np.ndarray | None = None
 
     def renew(self, state: State, time: float) -> Impedance:

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from tpsim.errors import ArgumentError
+from tpsim.border import Count, NotNegative, border
 from tpsim.robot.state import State
 from tpsim.world.impedance import Impedance
 
@@ -20,7 +20,8 @@ class RenewedImpedance(ABC):
         Time steps for which an impedance lasts.
     """
 
-    def __init__(self, every: int):
+    @border
+    def __init__(self, every: Count):
         self.every, self._left = every, 0
         self._now: Impedance | None = None
 
@@ -47,10 +48,9 @@ class FixedImpedance:
         Of every joint, as acceleration [1/s^2]: K = stiffness M(q), critically damped.
     """
 
-    def __init__(self, posture: np.ndarray, stiffness: float):
-        if not stiffness >= 0:
-            raise ArgumentError(f"stiffness is {stiffness}; it must not be negative")
-        self.posture, self.stiffness = np.array(posture, float), float(stiffness)
+    @border
+    def __init__(self, posture: np.ndarray, stiffness: NotNegative):
+        self.posture, self.stiffness = np.array(posture), stiffness
 
     def command(self, state: State, time: float) -> Impedance:
         """Impedance at a state."""

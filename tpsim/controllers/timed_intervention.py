@@ -3,10 +3,10 @@
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
-from tpsim.controllers.minimal_intervention import checked_effort
+from tpsim.border import Positive, border
 from tpsim.controllers.product import Skill, Stack, StackedModel
 from tpsim.controllers.renewed import RenewedImpedance
-from tpsim.errors import ArgumentError, SimulationError
+from tpsim.errors import SimulationError
 from tpsim.gaussian import Gaussian
 from tpsim.retrieval.gmr import Regression
 from tpsim.robot.state import State
@@ -41,21 +41,19 @@ class TimedIntervention(RenewedImpedance):
         Of the control [s].
     """
 
+    @border
     def __init__(
         self,
         skill: Skill,
         *,
-        effort: float,
-        until: float,
+        effort: Positive,
+        until: Positive,
         prior: Gaussian | None = None,
-        period: float = PERIOD,
-        timestep: float = 1e-3,
+        period: Positive = PERIOD,
+        timestep: Positive = 1e-3,
     ):
-        for name, value in (("until", until), ("period", period), ("timestep", timestep)):
-            if not value > 0:
-                raise ArgumentError(f"{name} is {value}; it must be positive")
         super().__init__(max(1, round(period / timestep)))
-        self.skill, self.effort, self.until = skill, checked_effort(effort), until
+        self.skill, self.effort, self.until = skill, effort, until
         sizes = [frame.dim - 1 for frame in skill.model.frames]
         self._stack = Stack(list(skill.views.values()), sizes, inputs=1)
         self._model = StackedModel(skill, self._stack)
@@ -106,7 +104,7 @@ def _regression(
     rest = covariance @ information[:, 1:]
     input_precision = precision[:, :1, :1] + cross @ slope
     input_mean = (information[:, :1] - cross @ rest) / input_precision
-    return Regression(
+    return Regression.trusted(
         input_mean[..., 0],
         (rest + slope * input_mean)[..., 0],
         np.concatenate((np.sqrt(input_precision), slope), axis=1),

@@ -11,7 +11,7 @@ from tpsim.gaussian import Gaussian
 from tpsim.learning.gmm import GMM
 from tpsim.learning.subspace import MFA, Structure
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
-from tpsim.retrieval.distribution import fuse_frames
+from tpsim.retrieval.fusion import fuse_frames
 from tpsim.retrieval.gmr import Regression
 
 COMPONENTS = (3, 5, 8)

@@ -2,22 +2,32 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.border import NotNegative, Positive, Range, Share, border
+from tpsim.checks import affordable
 from tpsim.data.motion import is_even, is_moving, part, step_of
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
-from tpsim.frame import Frame
+from tpsim.frame import Frame, as_before
 from tpsim.learning.dtw import align
 
+Rate = Annotated[float, Range(above=0)]
+"""[Hz]"""
 
+Order = Annotated[int, Range(least=0, most=20)]
+"""Of polynomials."""
+
+
+@border
 def resampled(
     demonstration: Demonstration,
     times: int | ArrayLike | None = None,
     *,
-    rate: float | None = None,
+    rate: Rate | None = None,
     smooth: bool = False,
 ) -> Demonstration:
     """Movement at other times: a number of samples, the times themselves [s], or a rate [Hz].
@@ -44,17 +54,18 @@ def resampled(
         step = step_of(demonstration) if rate is None else _step(rate)
         first, last = demonstration.time[[0, -1]]
         # A last step that is short by rounding counts as a whole one.
-        count = int((last - first) / step + 1e-6)
+        count = affordable("rate", int(min((last - first) / step + 1e-6, 1e9)), 1, 0)
         times = np.minimum(first + step * np.arange(count + 1), last)
     return demonstration.resampled(times, smooth=smooth)
 
 
+@border
 def trimmed(
     demonstration: Demonstration,
     *,
-    still: float = 0.05,
-    margin: float = 0.1,
-    window: float = 0.1,
+    still: Share = 0.05,
+    margin: NotNegative = 0.1,
+    window: NotNegative = 0.1,
     columns: Sequence[int] | None = None,
 ) -> Demonstration:
     """Cut off stillness at both ends.
@@ -87,7 +98,10 @@ def trimmed(
     return part(demonstration, start, stop)
 
 
-def smoothed(demonstration: Demonstration, window: float = 0.1, *, order: int = 3) -> Demonstration:
+@border
+def smoothed(
+    demonstration: Demonstration, window: Positive = 0.1, *, order: Order = 3
+) -> Demonstration:
     """Smooth by local polynomials (Savitzky and Golay), at the demonstration's own stamps.
 
     Parameters
@@ -109,10 +123,6 @@ def smoothed(demonstration: Demonstration, window: float = 0.1, *, order: int = 
     ArgumentError
         Too few samples for the order, or an argument out of its range.
     """
-    if not window > 0 or order < 0 or order != int(order):
-        raise ArgumentError(
-            f"window {window} s and order {order}; give a window > 0, an order >= 0"
-        )
     if len(demonstration) < order + 2:
         raise ArgumentError(
             f"order {order} needs {order + 2} samples, {len(demonstration)} were given"
@@ -127,8 +137,9 @@ def smoothed(demonstration: Demonstration, window: float = 0.1, *, order: int = 
     return replace(back, observations=_observations(demonstration, back))
 
 
+@border
 def aligned(
-    demonstrations: Sequence[Demonstration], *, band: float | None = None, by: str = "data"
+    demonstrations: Sequence[Demonstration], *, band: NotNegative | None = None, by: str = "data"
 ) -> list[Demonstration]:
     """Bring demonstrations onto one time line by dynamic time warping (Section 5.2).
 
@@ -141,19 +152,14 @@ def aligned(
     by : "data" or "frames"
         As in :func:`tpsim.align`.
     """
-    demonstrations = list(demonstrations)
     if not demonstrations:
         raise ArgumentError("no demonstrations were given; give at least one")
-    if band is not None and not band >= 0:
-        raise ArgumentError(f"band is {band}; give seconds >= 0, or None")
     step = float(np.median([step_of(d) for d in demonstrations]))
     even = [resampled(d, rate=1 / step) for d in demonstrations]
     return align(even, band=None if band is None else round(band / step), by=by)
 
 
 def _step(rate: float) -> float:
-    if not 0 < rate < np.inf:
-        raise ArgumentError(f"rate is {rate}; give samples per second, > 0")
     return 1 / rate
 
 
@@ -170,7 +176,7 @@ def _filtered(demonstration: Demonstration, width: int, order: int) -> Demonstra
         return savgol_filter(values, width, order, axis=0)
 
     frames = [
-        Frame(_like(smooth(frame.A), frame.A), smooth(frame.b)) if frame.shape else frame
+        Frame(as_before(smooth(frame.A), frame.A), smooth(frame.b)) if frame.shape else frame
         for frame in demonstration.frames
     ]
     observations = tuple(smooth(o) for o in demonstration.observations)
@@ -192,11 +198,3 @@ def _observations(before: Demonstration, after: Demonstration) -> tuple[np.ndarr
         else after.observations[j]
         for j, (old, seen, frame) in enumerate(views)
     )
-
-
-def _like(A: np.ndarray, before: np.ndarray) -> np.ndarray:
-    """The nearest orthonormal matrices, where they were orthonormal before."""
-    if not np.allclose(before.mT @ before, np.eye(before.shape[-1]), atol=1e-6):
-        return A
-    U, _, Vt = np.linalg.svd(A, full_matrices=False)
-    return U @ Vt

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Literal
 
+from tpsim.border import Positive, border, checked
 from tpsim.data.units import ANGLE, LENGTH, TIME
 from tpsim.errors import ArgumentError
 
@@ -39,6 +40,9 @@ class PoseColumns:
     orientation: Names = ()
     order: str = "wxyz"
     moving: bool = False
+
+    def __post_init__(self) -> None:
+        checked(self)
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,7 @@ class Columns:
     """
 
     time: Name | None = None
-    rate: float | None = None
+    rate: Positive | None = None
     time_unit: str | None = None
     position: Names | None = None
     orientation: Names | None = None
@@ -99,26 +103,19 @@ class Columns:
     demonstration: Name | None = None
     bad_rows: Literal["refuse", "drop"] = "refuse"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
+        checked(self)
         for field, known in (("time_unit", TIME), ("length_unit", LENGTH), ("angle_unit", ANGLE)):
             unit = getattr(self, field)
             if unit is not None and unit not in known:
                 raise ArgumentError(f"{field} is {unit!r}; give one of {', '.join(known)}")
-        if self.rate is not None and not 0 < self.rate < float("inf"):
-            raise ArgumentError(f"rate is {self.rate}; give samples per second, > 0")
-        if self.bad_rows not in ("refuse", "drop"):
-            raise ArgumentError(f"bad_rows is {self.bad_rows!r}; give 'refuse' or 'drop'")
-        if isinstance(self.frames, str | PoseColumns):
-            object.__setattr__(self, "frames", (self.frames,))
-        for name in (*_MOVEMENT, "frames"):
-            if isinstance(value := getattr(self, name), list):
-                object.__setattr__(self, name, tuple(value))
 
     @property
     def says_movement(self) -> bool:
         """Whether it names the columns of the movement."""
         return any(getattr(self, name) is not None for name in _MOVEMENT)
 
+    @border
     def over(self, defaults: "Columns") -> "Columns":
         """Fill what is left open here with ``defaults``."""
         open_fields = {

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim import rotation
+from tpsim.border import border
 from tpsim.data.clock import time_column
 from tpsim.data.columns import Columns, PoseColumns
 from tpsim.data.movement import Movement, Placed, movement_of
@@ -17,6 +18,7 @@ from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 
 
+@border
 def frames_from(
     recording: Recording | Mapping[str, ArrayLike], columns: Columns
 ) -> tuple[Frame, ...]:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from tpsim.checks import dimensions
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 
@@ -54,11 +55,14 @@ def speed(
     columns : sequence of int, optional
         Of the data that count; default all. Choose those of one unit.
     """
-    if not window >= 0:
-        raise ArgumentError(f"window is {window}; give seconds >= 0")
     step_of(demonstration)
     time = demonstration.time - demonstration.time.mean()
-    chosen = demonstration.data if columns is None else demonstration.data[:, list(columns)]
+    dims = (
+        slice(None)
+        if columns is None
+        else dimensions("columns", columns, demonstration.data.shape[1])
+    )
+    chosen = demonstration.data[:, dims]
     x = (chosen - chosen.mean(0)).astype(np.longdouble)
     rows = np.arange(len(time))
     low = np.minimum(np.searchsorted(time, time - window / 2), np.maximum(rows - 1, 0))

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 
+from tpsim.border import border
 from tpsim.data.columns import PoseColumns
 from tpsim.data.recording import Recording, Series
 from tpsim.errors import RecordingError
@@ -19,6 +20,7 @@ _NO_POSITION = re.compile(
 _ANGLES = ("theta", "angle", "yaw", "heading", "phi")
 
 
+@border
 def poses_in(recording: Recording) -> dict[str, PoseColumns]:
     """Poses of a recording by the name of what they are poses of; ``""`` where none is said.
 

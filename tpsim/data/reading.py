@@ -4,6 +4,8 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 
+from tpsim.border import border
+from tpsim.checks import shown
 from tpsim.data.build import demonstrations_of
 from tpsim.data.columns import Columns
 from tpsim.data.foreign import check_ordinary
@@ -36,6 +38,7 @@ _SUFFIXES = {
 _SUFFIXES |= dict.fromkeys((".csv", ".tsv", ".txt", ".dat", ".log", ".tum"), "text")
 
 
+@border
 def read(
     path: str | Path | Sequence[str | Path],
     columns: Columns | None = None,
@@ -73,6 +76,7 @@ def read(
     return demonstrations_of(recordings(path, format=format), columns or Columns())
 
 
+@border
 def recordings(
     path: str | Path | Sequence[str | Path], *, format: str | None = None
 ) -> list[Recording]:
@@ -86,7 +90,7 @@ def recordings(
         One for every demonstration that the format itself tells apart.
     """
     if format is not None and format not in FORMATS:
-        raise ArgumentError(f"format is {format!r}; give one of {', '.join(FORMATS)}")
+        raise ArgumentError(f"format is {shown(format)}; give one of {', '.join(FORMATS)}")
     paths = [Path(path)] if isinstance(path, str | Path) else [Path(one) for one in path]
     found = [recording for one in paths for recording in _recordings(one, format)]
     if not found:

@@ -8,8 +8,10 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
+from tpsim.border import border, checked, read
+from tpsim.checks import array_of, instance, shown
 from tpsim.data.columns import Columns, Name
-from tpsim.errors import RecordingError
+from tpsim.errors import ArgumentError, RecordingError
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,9 +34,29 @@ class Series:
     units: Mapping[str, str] = field(default_factory=dict)
     first_line: int | None = None
 
+    def __post_init__(self) -> None:
+        columns = read("columns", self.columns, Mapping[str, object])
+        lengths = {
+            len(instance(f"columns[{k!r}]", v, np.ndarray)) if np.ndim(v) else -1
+            for k, v in columns.items()
+        }
+        if len(lengths) > 1 or -1 in lengths:
+            raise ArgumentError(
+                f"columns have {sorted(lengths)} rows; give equally many, (T,) or (T, d)"
+            )
+        if self.time is not None and np.shape(instance("time", self.time, np.ndarray)) != (
+            len(self),
+        ):
+            raise ArgumentError(
+                f"time has shape {self.time.shape}; give ({len(self)},), as the columns"
+            )
+        read("units", self.units, Mapping[str, str])
+        read("first_line", self.first_line, int | None)
+
     def __len__(self) -> int:
         return len(next(iter(self.columns.values()))) if self.columns else 0
 
+    @border
     def names_of(self, name: Name) -> list[str]:
         """Return the columns that ``name`` stands for; none where it stands for none."""
         names = list(self.columns)
@@ -47,6 +69,7 @@ class Series:
             return [known for known in names if fnmatchcase(known, pattern)]
         return _numbered(name, names) or _at_the_end(name, names)
 
+    @border
     def values(self, name: Name) -> np.ndarray | None:
         """Values (T, d) of the columns that ``name`` stands for; ``q[2]`` is the third of ``q``."""
         found = self.names_of(name)
@@ -58,10 +81,19 @@ class Series:
             return whole[:, int(part[2])][:, None]
         return None
 
-    def rows(self, keep: np.ndarray) -> "Series":
+    @border
+    def rows(self, keep: object) -> "Series":
         """Only the given rows."""
-        time = None if self.time is None else self.time[keep]
-        columns = {name: values[keep] for name, values in self.columns.items()}
+        rows = array_of("keep", keep)
+        masks = rows.dtype == bool and rows.shape == (len(self),)
+        if not masks and (rows.dtype.kind not in "iu" or rows.ndim != 1):
+            raise ArgumentError(
+                f"keep is {shown(keep)}; give row numbers, or True and False for all"
+            )
+        if not masks and rows.size and not 0 <= rows.min() <= rows.max() < len(self):
+            raise ArgumentError(f"keep is {shown(keep)}; give rows from 0 to {len(self) - 1}")
+        time = None if self.time is None else self.time[rows]
+        columns = {name: values[rows] for name, values in self.columns.items()}
         return Series(columns, time, self.units, None)
 
 
@@ -90,11 +122,15 @@ class Recording:
     defaults: Columns = field(default_factory=Columns)
     clock: bool = False
 
+    def __post_init__(self) -> None:
+        checked(self)
+
     def names(self) -> Iterator[str]:
         """Yield the names of all columns."""
         for series in self.series:
             yield from series.columns
 
+    @border
     def find(self, name: Name) -> tuple[Series, np.ndarray]:
         """Return the series that holds ``name``, and the values (T, d).
 
@@ -107,12 +143,14 @@ class Recording:
             values = series.values(name)
             if values is not None:
                 return series, values
-        raise RecordingError(f"{self.source}: there is no column {name!r}; {self.known(name)}")
+        raise RecordingError(f"{self.source}: there is no column {shown(name)}; {self.known(name)}")
 
+    @border
     def has(self, name: Name) -> bool:
         """Whether there is such a column."""
         return any(series.values(name) is not None for series in self.series)
 
+    @border
     def known(self, name: Name = "") -> str:
         """Say which columns there are, those like ``name`` first."""
         names = list(self.names())

@@ -3,10 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.border import Count, NotNegative, Share, border
 from tpsim.data.motion import is_moving, part
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
@@ -18,14 +20,15 @@ MOST_SAMPLES = 400
 MOST_PIECES = 10
 
 
+@border
 def segmented(
     demonstration: Demonstration,
-    at: str | ArrayLike = "stops",
+    at: Literal["stops", "changes"] | ArrayLike = "stops",
     *,
-    pieces: int | None = None,
-    pause: float = 0.2,
-    still: float = 0.05,
-    window: float = 0.1,
+    pieces: Count | None = None,
+    pause: NotNegative = 0.2,
+    still: Share = 0.05,
+    window: NotNegative = 0.1,
     columns: Sequence[int] | None = None,
 ) -> list[Demonstration]:
     """Cut a demonstration in parts, each with its own stamps, frames and observations.
@@ -59,10 +62,8 @@ def segmented(
     if isinstance(at, str):
         if at == "stops":
             spans = _between_stops(demonstration, pause, still, window, columns)
-        elif at == "changes":
-            spans = _between_changes(demonstration, pieces, columns)
         else:
-            raise ArgumentError(f"at is {at!r}; give 'stops', 'changes', or times in seconds")
+            spans = _between_changes(demonstration, pieces, columns)
     else:
         spans = _between(demonstration, np.searchsorted(demonstration.time, finite_array("at", at)))
     return [

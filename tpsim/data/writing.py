@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from tpsim.border import border
 from tpsim.data.signals import Item
 from tpsim.data.writers.lerobot import write_lerobot
 from tpsim.data.writers.mcap import write_mcap
@@ -20,6 +21,7 @@ _WRITERS: dict[str, Callable[[Path, Sequence[Item]], Path]] = {
 }
 
 
+@border
 def write(path: str | Path, items: Sequence[Item]) -> list[Path]:
     """Write demonstrations or trials in the format that the path's ending names.
 

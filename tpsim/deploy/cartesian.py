@@ -1,18 +1,18 @@
 """Impedance of a hand in Cartesian space, as controllers of real arms take it, within limits."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
+from tpsim.border import Positive, checked
 from tpsim.covariance import symmetric
-from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.state import State
 from tpsim.world.impedance import Impedance, hand_stiffness
 
-Pair = tuple[float, float]
+Pair = tuple[Positive, Positive]
 
 
 @dataclass(frozen=True)
@@ -45,13 +45,7 @@ class CartesianLimits:
     pull: Pair = (60.0, 20.0)
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            pair = getattr(self, field.name)
-            if len(pair) != 2 or not all(value > 0 for value in pair):
-                raise ArgumentError(
-                    f"{field.name} is {pair}; give two positive numbers, for translation and "
-                    "for rotation"
-                )
+        checked(self)
 
 
 @dataclass(frozen=True, eq=False)

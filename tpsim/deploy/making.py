@@ -5,7 +5,7 @@ import numpy as np
 from tpsim.deploy.recipes import Recipe, recipe_of
 from tpsim.deploy.values import taken_apart
 from tpsim.errors import ArgumentError
-from tpsim.task.task import Models, Situation, Task, draw_situation
+from tpsim.task.task import Models, Situation, Task, controller_of, draw_situation
 
 
 def recipe_for(task: Task, models: Models, situation: Situation | None = None) -> Recipe:
@@ -31,7 +31,7 @@ def recipe_for(task: Task, models: Models, situation: Situation | None = None) -
 
 
 def _recipe(task: Task, models: Models, situation: Situation) -> Recipe:
-    controller = task.controller(task.stage, models, situation)
+    controller = controller_of(task, models, situation)
     recipe = recipe_of(controller, task.stage.timestep)
     return recipe.free_of(np.array(situation.start))
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.border import Positive, border, read
+from tpsim.checks import path
 from tpsim.deploy import folder as files
 from tpsim.deploy.cartesian import CartesianLimits, HandFilter, HandImpedance
 from tpsim.deploy.sensed import Seen, objects_in, sensed
@@ -59,6 +61,11 @@ class Policy:
     @one_thread()
     def __init__(self, task: "Task", models: "Models", situation: "Situation | None" = None):
         from tpsim.deploy.making import recipe_for
+        from tpsim.task.task import Models, Situation, Task
+
+        read("task", task, Task)
+        models = read("models", models, Models)
+        read("situation", situation, Situation | None)
 
         world = task.stage
         recipe = recipe_for(task, models, situation)
@@ -67,11 +74,12 @@ class Policy:
 
     @classmethod
     @one_thread()
+    @border
     def load(
         cls,
         folder: str | Path,
         *,
-        period: float | None = None,
+        period: Positive | None = None,
         limits: CartesianLimits | None = None,
         tank: Tank | None = None,
         views: Sequence[type[View]] = (),
@@ -97,9 +105,7 @@ class Policy:
         ArgumentError
             If the period is not positive.
         """
-        content, robot = files.read(Path(folder), views)
-        if period is not None and not (np.isfinite(period) and period > 0):
-            raise ArgumentError(f"period is {period} s; give a positive number")
+        content, robot = files.read(path("folder", folder), views)
         policy = object.__new__(cls)
         policy._world = None
         policy._begin(content, robot, period, limits, tank)
@@ -115,7 +121,7 @@ class Policy:
         """
         if self._world is None:
             raise RecordingError("this policy was read from a folder; copy the folder instead")
-        return files.write(Path(folder), self._content, self.robot, self._world)
+        return files.write(path("folder", folder), self._content, self.robot, self._world)
 
     def _begin(
         self,

@@ -6,6 +6,8 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.border import read
+from tpsim.checks import array_of, entries, finite_array, number
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.objects import Objects
@@ -57,18 +59,20 @@ def sensed(
     ArgumentError
         Wrong shapes, what is not finite, or an object that is missing; one line.
     """
+    read("objects", objects, Mapping)
     if missing := [name for name in needed if name not in objects]:
         raise ArgumentError(
             f"object '{missing[0]}' is missing; the policy needs the poses of {', '.join(needed)}"
         )
     known = objects if isinstance(objects, Objects) else _objects(objects)
-    state = robot.at(q, dq, known, float(time))
-    if not np.isfinite(state.x).all():
-        joint = robot.joints[int(np.flatnonzero(~np.isfinite(state.x))[0]) % robot.n]
-        raise ArgumentError(f"the state of joint '{joint}' is not finite; stop the robot")
-    if not (np.isfinite(time) and time >= 0):
-        raise ArgumentError(f"time is {time} s; give the time since the start")
-    return state
+    for name, part in (("q", q), ("dq", dq)):
+        seen = array_of(name, part)
+        if seen.dtype.kind == "f" and seen.shape == (robot.n,) and not np.isfinite(seen).all():
+            joint = robot.joints[int(np.argmin(np.isfinite(seen)))]
+            raise ArgumentError(
+                f"{name}: the state of joint '{joint}' is not finite; stop the robot"
+            )
+    return robot.at(q, dq, known, number("time", time, least=0))
 
 
 def _objects(given: Mapping[str, Seen]) -> Objects:
@@ -83,9 +87,13 @@ def _objects(given: Mapping[str, Seen]) -> Objects:
 
 def _checked(name: str, seen: Seen) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
     if isinstance(seen, Pose):
-        parts: list[np.ndarray] = [np.asarray(seen.position), seen.quaternion]
+        known = seen.checked(f"objects[{name!r}]")
+        parts: list[np.ndarray] = [known.position, known.quaternion]
     else:
-        parts = [np.asarray(part, float) for part in seen]
+        parts = [
+            finite_array(f"objects[{name!r}]", part)
+            for part in entries("objects", seen, tables=False)
+        ]
     shapes = [part.shape for part in parts]
     if shapes not in ([(3,), (4,)], [(3,), (4,), (6,)]):
         raise ArgumentError(

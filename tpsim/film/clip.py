@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from tpsim.border import Positive, border, checked
 from tpsim.errors import ArgumentError
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
@@ -25,6 +26,9 @@ class Arrow:
     point: np.ndarray
     force: np.ndarray
 
+    def __post_init__(self) -> None:
+        checked(self)
+
 
 @dataclass(frozen=True)
 class Ellipsoid:
@@ -40,6 +44,9 @@ class Ellipsoid:
 
     centre: np.ndarray
     stiffness: np.ndarray
+
+    def __post_init__(self) -> None:
+        checked(self)
 
 
 @dataclass(frozen=True)
@@ -83,9 +90,10 @@ class Clip:
     ellipsoids: tuple[Ellipsoid, ...] = ()
     objects: Mapping[str, np.ndarray] = field(default_factory=dict)
     camera: str = ""
-    speed: float = 1.0
+    speed: Positive = 1.0
 
     @classmethod
+    @border
     def of(
         cls,
         world: World,
@@ -119,13 +127,12 @@ class Clip:
         )
 
     def __post_init__(self) -> None:
+        checked(self)
         length = np.size(self.time)
         if np.ndim(self.time) != 1 or length == 0 or (np.diff(self.time) <= 0).any():
             raise ArgumentError("time of a clip: give one row of increasing seconds")
-        if not self.speed > 0:
-            raise ArgumentError(f"speed {self.speed} of a clip: give a positive number")
         tails: list[tuple[str, np.ndarray, tuple[tuple[int, ...], ...]]]
-        tails = [("time", self.time, ((),)), ("q", self.q, ((np.shape(self.q)[-1],),))]
+        tails = [("time", self.time, ((),)), ("q", self.q, (np.shape(self.q)[1:2],))]
         tails += [("trace", trace, ((3,),)) for trace in self.traces]
         for arrow in self.arrows:
             tails += [("point", arrow.point, ((3,),)), ("force", arrow.force, ((3,),))]
@@ -138,5 +145,3 @@ class Clip:
                 raise ArgumentError(
                     f"{name} of a clip has shape {np.shape(array)}: give {wanted}, as its time"
                 )
-            if not np.isfinite(array).all():
-                raise ArgumentError(f"{name} of a clip has values that are not finite")

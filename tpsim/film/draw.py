@@ -14,6 +14,7 @@ import numpy as np
 from tpsim.film import overlay
 from tpsim.film.camera import lit, viewpoint
 from tpsim.film.clip import Clip
+from tpsim.robot.home import put
 
 
 class Painter:
@@ -50,8 +51,7 @@ class Painter:
             overlay.Caption(clip.title, clip.subtitle, width, height) if clip.title else None
         )
         self._mocap = {name: model.body(name).mocapid[0] for name in clip.objects}
-        for joint, position in clip.world.description.fixed.items():
-            self._data.qpos[model.joint(joint).qposadr[0]] = position
+        put(model, self._data.qpos, clip.world.description.fixed)
 
     def __enter__(self) -> "Painter":
         """Return itself."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.agreement import agreed_with_warning
-from tpsim.checks import choice, column_or_matrix, number, own, several, whole
+from tpsim.checks import array_of, choice, column_or_matrix, frozen, number, several, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 
@@ -32,7 +32,13 @@ class Warp:
     cost: float
 
     def __post_init__(self) -> None:
-        own(self, "path")
+        path = frozen(np.array(array_of("path", self.path)))
+        if path.dtype.kind not in "iu" or path.ndim != 2 or path.shape[1] != 2 or not len(path):
+            raise ArgumentError(
+                f"path has shape {path.shape} of {path.dtype}; give (L, 2) indices, L >= 1"
+            )
+        object.__setattr__(self, "path", path)
+        object.__setattr__(self, "cost", number("cost", self.cost, least=0))
 
     def timing(self) -> np.ndarray:
         """For every sample of the reference, the matched (fractional) index of the other.
@@ -123,7 +129,7 @@ def align(
         No demonstrations, different dimensions, or an argument out of its range.
     """
     demonstrations = several("demonstrations", demonstrations, Demonstration)
-    whole("rounds", rounds, least=1)
+    rounds = whole("rounds", rounds, least=1, most=1000)
     if not demonstrations:
         raise ArgumentError("no demonstrations were given; give at least one")
     demonstrations = agreed_with_warning(demonstrations)

@@ -65,7 +65,7 @@ def demonstrations_of(name: str, observations: object) -> list[Demonstration] | 
     """Demonstrations, one or many, in agreement about signs and turns; None for anything else."""
     if isinstance(observations, Demonstration):
         observations = [observations]
-    if not isinstance(observations, Sequence) or isinstance(observations, str | bytes):
+    if not isinstance(observations, Sequence) or isinstance(observations, str | bytes | memoryview):
         return None
     given = [isinstance(one, Demonstration) for one in observations]
     if not any(given):
@@ -138,9 +138,12 @@ class Options:
     rng: Seed
 
     def __post_init__(self) -> None:
-        whole("max_iterations", self.max_iterations)
-        whole("restarts", self.restarts)
-        bound("tolerance", self.tolerance)
+        for name, value in (
+            ("max_iterations", whole("max_iterations", self.max_iterations)),
+            ("restarts", whole("restarts", self.restarts)),
+            ("tolerance", bound("tolerance", self.tolerance)),
+        ):
+            object.__setattr__(self, name, value)
         if isinstance(self.start, str):
             choice("start", self.start, ("time", "kmeans"))
         elif self.start is not None and not (
@@ -155,7 +158,7 @@ class Options:
 def fit(seen: Seen, components: int, options: Options) -> Fit:
     """Fit a mixture to samples seen from P frames."""
     structure = structure_of(options.covariance)
-    whole("components", components, least=1)
+    components = whole("components", components, least=1)
     generator("rng", options.rng, 0)
     _check_samples(seen.views, components)
     time = seen.time(options.time)

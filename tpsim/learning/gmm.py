@@ -7,7 +7,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import Seed, finite_array, frozen, frozen_array, generator, instance, whole
+from tpsim.checks import (
+    Seed,
+    affordable,
+    finite_array,
+    frozen,
+    frozen_array,
+    generator,
+    instance,
+    shown,
+    whole,
+)
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian, match_moments
@@ -55,6 +65,7 @@ class GMM(Stored):
                 f"{len(priors)} priors it must be (..., {len(priors)}, D)"
             )
         object.__setattr__(self, "priors", priors)
+        object.__setattr__(self, "samples", whole("samples", self.samples))
         object.__setattr__(self, "history", frozen_array("history", self.history))
 
     @classmethod
@@ -113,7 +124,9 @@ class GMM(Stored):
         if self.gaussians.mean.ndim != 2:
             raise ArgumentError("the mixture has leading axes; select one step, gmm[t], first")
         random = generator("rng", rng)
-        chosen = random.choice(self.components, size=whole("size", size), p=self.priors)
+        chosen = random.choice(
+            self.components, size=affordable("size", size, self.dim**2, least=0), p=self.priors
+        )
         return self.gaussians[chosen].sample(random)
 
 
@@ -158,11 +171,13 @@ def fit_gmm(
     )
 
 
-def checked_priors(priors: ArrayLike) -> np.ndarray:
+def checked_priors(priors: ArrayLike, name: str = "priors") -> np.ndarray:
     """Priors (K,) that are a distribution, or an ArgumentError."""
-    priors = frozen_array("priors", priors)
+    priors = frozen_array(name, priors)
     if priors.ndim != 1 or not len(priors) or (priors < 0).any() or abs(priors.sum() - 1) > 1e-6:
-        raise ArgumentError(f"priors are {priors}; they must be (K,), not negative, and sum to 1")
+        raise ArgumentError(
+            f"{name} are {shown(priors)}; they must be (K,), not negative, and sum to 1"
+        )
     return priors
 
 

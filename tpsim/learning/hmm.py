@@ -20,12 +20,14 @@ from tpsim.gaussian import Gaussian
 from tpsim.learning.em import Mixture, maximise, project, regularisation
 from tpsim.learning.fit import Seen, Start, seen_as_data, seen_by_frames
 from tpsim.learning.gmm import GMM, fit_gmm, log_priors
-from tpsim.learning.markov import MarkovChain
+from tpsim.learning.markov import MarkovChain, Topology
 from tpsim.learning.semi_markov import SemiMarkovChain
 from tpsim.learning.statistics import Samples
 from tpsim.learning.subspace import Structure, structure_of
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.timeline import check_even
+
+FARTHEST = 1e12  # [nats]: beyond it the digits of a log density are below one
 
 Chain = MarkovChain | SemiMarkovChain
 Emissions = GMM | TPGMM
@@ -84,14 +86,13 @@ class HiddenStates(Stored):
         emissions = self.emissions
         if isinstance(observations, Demonstration):
             check_even("demonstration", [observations.time])
-            if isinstance(emissions, TPGMM):
-                joint = emissions.log_joint(observations)
-            else:
-                joint = emissions.log_joint(matrix("data", observations.data, emissions.dim))
-        elif isinstance(emissions, TPGMM):
+            observations = observations if isinstance(emissions, TPGMM) else observations.data
+        if isinstance(emissions, TPGMM):
             joint = emissions.log_joint(observations)
         else:
             joint = emissions.log_joint(matrix("observations", observations, emissions.dim))
+        if not np.abs(joint).max() < FARTHEST:
+            raise ArgumentError("observations are far from all states; check unit and origin")
         return joint - log_priors(emissions.priors)
 
     def log_likelihood(self, observations: Demonstration | ArrayLike) -> float:
@@ -112,7 +113,7 @@ class HiddenStates(Stored):
 
     def state_probabilities(self, steps: int) -> np.ndarray:
         """P(s_t) for a movement yet to be made, (steps, K): the forward variable alone."""
-        return self.chain.probabilities(whole("steps", steps, least=1))
+        return self.chain.probabilities(steps)
 
     def state_sequence(self, steps: int) -> np.ndarray:
         """Most likely state at every step of a movement yet to be made, (steps,)."""
@@ -120,7 +121,7 @@ class HiddenStates(Stored):
 
     def sample_states(self, steps: int, rng: Seed) -> np.ndarray:
         """Draw the states of a movement yet to be made, (steps,); ``rng`` may be a seed."""
-        return self.chain.sample(whole("steps", steps, least=1), generator("rng", rng))
+        return self.chain.sample(steps, generator("rng", rng))
 
 
 class HMM(HiddenStates):
@@ -141,7 +142,7 @@ def fit_hmm(
     sequences: Sequences,
     components: int,
     *,
-    topology: str = "left-right",
+    topology: Topology = "left-right",
     covariance: str | Structure = "full",
     start: Start | Emissions = None,
     ridge: float | None = None,
@@ -198,9 +199,9 @@ def fit_hmm(
 def fit_states(
     sequences: Sequences,
     components: int,
-    chain_of: Callable[[int, str, float], Chain],
+    chain_of: Callable[[int, Topology, float], Chain],
     *,
-    topology: str,
+    topology: Topology,
     covariance: str | Structure,
     start: Start | Emissions,
     ridge: float | None,
@@ -213,9 +214,9 @@ def fit_states(
     ``chain_of(components, topology, stay)`` makes the chain to begin with.
     """
     choice("topology", topology, ("left-right", "any"))
-    bound("tolerance", tolerance)
-    whole("max_iterations", max_iterations)
-    whole("components", components, least=1)
+    tolerance = bound("tolerance", tolerance)
+    max_iterations = whole("max_iterations", max_iterations)
+    components = whole("components", components, least=1)
     if not isinstance(start, Emissions):
         start = _mixture(sequences, components, covariance, start, ridge, rng)
     seen = _seen(sequences, components, start)

@@ -7,6 +7,7 @@ demo_trajHSMM01.
 from tpsim.checks import Seed, number
 from tpsim.learning.fit import Start
 from tpsim.learning.hmm import Emissions, HiddenStates, Sequences, fit_states
+from tpsim.learning.markov import Topology
 from tpsim.learning.semi_markov import SemiMarkovChain
 from tpsim.learning.subspace import Structure
 
@@ -36,7 +37,7 @@ def fit_hsmm(
     sequences: Sequences,
     components: int,
     *,
-    topology: str = "left-right",
+    topology: Topology = "left-right",
     duration_spread: float = 0.1,
     covariance: str | Structure = "full",
     start: Start | Emissions = None,
@@ -80,7 +81,7 @@ def fit_hsmm(
     """
     duration_spread = number("duration_spread", duration_spread, least=0)
 
-    def chain_of(components: int, topology: str, stay: float) -> SemiMarkovChain:
+    def chain_of(components: int, topology: Topology, stay: float) -> SemiMarkovChain:
         return SemiMarkovChain.of(components, topology, stay, duration_spread)
 
     return HSMM(

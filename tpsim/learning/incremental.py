@@ -61,7 +61,7 @@ def update_tp_gmm(
     seen = seen_by_frames(demonstrations)
     retention = number("retention", retention, above=0)
     bound("tolerance", tolerance)
-    whole("max_iterations", max_iterations)
+    max_iterations = whole("max_iterations", max_iterations)
     samples = Samples(seen.views, _memory_of(model, seen.views).times(retention))
     memory = samples.remembered(seen.time(), seen.lengths)
     starts = _starts(model, samples, memory, ridge)

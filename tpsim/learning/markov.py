@@ -7,13 +7,18 @@ several sequences, moved through time together; behind their ends they are padde
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from tpsim.archive import Part
-from tpsim.checks import frozen_array
+from tpsim.border import Count, Positive, Steps, border
+from tpsim.checks import affordable, frozen_array
 from tpsim.errors import ArgumentError
 from tpsim.learning.gmm import checked_priors, posterior
+
+Topology = Literal["left-right", "any"]
+"""States one after the other, or in any order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,14 +42,15 @@ class MarkovChain(Part):
     transitions: np.ndarray
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "initial", checked_priors(self.initial))
+        object.__setattr__(self, "initial", checked_priors(self.initial, "initial"))
         rows = checked_transitions(self.transitions, len(self.initial))
         if (rows.sum(1) == 0).any():
             raise ArgumentError("a row of transitions is zero; let the last state follow itself")
         object.__setattr__(self, "transitions", rows)
 
     @classmethod
-    def of(cls, components: int, topology: str, stay: float) -> "MarkovChain":
+    @border
+    def of(cls, components: Count, topology: Topology, stay: Positive) -> "MarkovChain":
         """Chain in which a stay lasts ``stay`` steps on average, see :func:`successors`."""
         leave = successors(components, topology) / max(stay, 1.0)
         transitions = leave + np.diag(1.0 - leave.sum(1))
@@ -80,7 +86,8 @@ class MarkovChain(Part):
         """Most likely states (T,)."""
         return viterbi(log(self.initial), log(self.transitions), densities)
 
-    def probabilities(self, steps: int) -> np.ndarray:
+    @border
+    def probabilities(self, steps: Steps) -> np.ndarray:
         """P(s_t) without observations, (steps, K)."""
         probability = np.empty((steps, len(self.initial)))
         probability[0] = self.initial
@@ -88,7 +95,8 @@ class MarkovChain(Part):
             probability[t] = probability[t - 1] @ self.transitions
         return probability
 
-    def sample(self, steps: int, rng: np.random.Generator) -> np.ndarray:
+    @border
+    def sample(self, steps: Steps, rng: np.random.Generator) -> np.ndarray:
         """Draw states (steps,)."""
         states = [draw(self.initial, rng)]
         while len(states) < steps:
@@ -143,11 +151,10 @@ def successors(components: int, topology: str) -> np.ndarray:
 
     ``"left-right"``: the next one only, and none after the last; ``"any"``: all others alike.
     """
+    components = affordable("components", components, components)
     if topology == "left-right":
         return np.eye(components, k=1)
-    if topology == "any":
-        return (1.0 - np.eye(components)) / max(components - 1, 1)
-    raise ArgumentError(f"topology is {topology!r}; give 'left-right' or 'any'")
+    return (1.0 - np.eye(components)) / max(components - 1, 1)
 
 
 def first_states(components: int, topology: str) -> np.ndarray:

@@ -87,13 +87,7 @@ class PGMM(Stored):
         return self.maps.size + self.components * (D * (D + 1) // 2 + 1) - 1
 
     def adapt(self, parameters: ArrayLike) -> GMM:
-        """Mixture for new task parameters (..., q), Eq. (48).
-
-        Returns
-        -------
-        GMM
-            Gaussians (..., K, D), with the leading axes of the parameters.
-        """
+        """Mixture (..., K, D) for new task parameters (..., q), Eq. (48)."""
         Q = finite_array("parameters", parameters)
         if Q.shape[-1:] != (self.maps.shape[-1] - 1,):
             raise ArgumentError(
@@ -113,7 +107,13 @@ class PGMM(Stored):
 
     def _log_joint(self, data: ArrayLike, parameters: ArrayLike) -> np.ndarray:
         rows = matrix("data", data, self.maps.shape[1])
-        residual = rows[:, None] - self.adapt(parameters).gaussians.mean
+        means = self.adapt(parameters).gaussians.mean
+        if means.shape[:-2] not in ((), (len(rows),)):
+            raise ArgumentError(
+                f"parameters have leading axes {means.shape[:-2]} and data {len(rows)} samples; "
+                "give one (q,), or one for every sample"
+            )
+        residual = rows[:, None] - means
         noise = Gaussian(np.zeros(self.maps.shape[:2]), self.covariance)
         return log_priors(self.priors) + noise.log_density(residual)
 
@@ -186,7 +186,7 @@ def fit_pgmm(
     if task_ridge is not None:
         task_ridge = number("task_ridge", task_ridge, least=0)
     bound("tolerance", tolerance)
-    whole("max_iterations", max_iterations)
+    max_iterations = whole("max_iterations", max_iterations)
     single = isinstance(sequences, Demonstration)
     given: list[object] = [sequences] if single else entries("sequences", sequences)
     arrays, Q = _checked(given, parameters)

@@ -5,13 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tpsim.checks import Seed, dimensions, generator, instance, number, own, several, whole
+from tpsim.border import checked
+from tpsim.checks import Seed, dimensions, frozen, generator, instance, number, several, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Dimensions
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.timeline import phase, weights
+
+MOST_DRAWS = 100_000
+"""Exchanges of a frame in a test, at most."""
 
 
 def frame_shares(
@@ -100,7 +104,8 @@ class FrameReport:
     significance: float
 
     def __post_init__(self) -> None:
-        own(self, "mean", "peak", "peak_progress", "chance", "tested")
+        checked(self)
+        object.__setattr__(self, "tested", frozen(self.tested.astype(bool)))
 
     @property
     def never(self) -> tuple[int, ...]:
@@ -169,7 +174,7 @@ def frame_report(
     if not demonstrations:
         raise ArgumentError("no demonstrations were given; give at least one demonstration")
     number("significance", significance, above=0, below=1)
-    draws, random = whole("draws", draws, least=1), generator("rng", rng, 0)
+    draws, random = whole("draws", draws, least=1, most=MOST_DRAWS), generator("rng", rng, 0)
     shares = np.concatenate([frame_relevance(model, one, dims) for one in demonstrations])
     progress = np.concatenate([phase(one.time) for one in demonstrations])
     durations = np.array([max(float(np.ptp(one.time)), 1e-300) for one in demonstrations])

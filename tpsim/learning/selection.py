@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Part
+from tpsim.border import checked, read
 from tpsim.checks import choice, entries, is_table, matrix, number, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
@@ -91,6 +92,9 @@ class Selection:
     model: GMM | TPGMM
     candidates: tuple[Candidate, ...]
 
+    def __post_init__(self) -> None:
+        checked(self)
+
     def __str__(self) -> str:
         """Table of the candidates."""
         rows = [f"{'K':>3}  {'covariance':<20} {'parameters':>10} {'log-lik.':>12} {'score':>12}"]
@@ -144,6 +148,7 @@ def select_model(
     sampling rate at which the model will be used.
     """
     choice("criterion", criterion, _CRITERIA)
+    read("fit", fit, Callable)
     counts = [components] if isinstance(components, int) else entries("components", components)
     single = isinstance(covariances, str | Part)
     structures = [covariances] if single else entries("covariances", covariances)

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from tpsim.archive import Part
+from tpsim.border import Count, NotNegative, Positive, Steps, border
 from tpsim.checks import instance, number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.gmm import checked_priors, posterior
 from tpsim.learning.markov import (
     Expectation,
+    Topology,
     checked_transitions,
     draw,
     first_states,
@@ -61,7 +63,7 @@ class SemiMarkovChain(Part):
     def __post_init__(self) -> None:
         instance("durations", self.durations, Gaussian)
         number("least_variance", self.least_variance, least=0)
-        object.__setattr__(self, "initial", checked_priors(self.initial))
+        object.__setattr__(self, "initial", checked_priors(self.initial, "initial"))
         rows = checked_transitions(self.transitions, len(self.initial))
         object.__setattr__(self, "transitions", rows)
         if self.durations.mean.shape != (len(self.initial), 1):
@@ -73,17 +75,20 @@ class SemiMarkovChain(Part):
             raise ArgumentError("durations need positive means and variances [steps]")
 
     @classmethod
-    def of(cls, components: int, topology: str, stay: float, spread: float) -> "SemiMarkovChain":
+    @border
+    def of(
+        cls, components: Count, topology: Topology, stay: Positive, spread: NotNegative
+    ) -> "SemiMarkovChain":
         """Chain in which a stay lasts ``stay`` steps, see :func:`.markov.successors`.
 
         No duration will vary less than by ``spread`` times ``stay``, or one step.
         """
-        least = max(1.0, (spread * stay) ** 2)
+        follow, least = successors(components, topology), max(1.0, (spread * stay) ** 2)
         mean = np.full((components, 1), stay)
         variance = np.full((components, 1, 1), max(least, (0.5 * stay) ** 2))
         return cls(
             first_states(components, topology),
-            successors(components, topology),
+            follow,
             Gaussian(mean, variance),
             least,
         )
@@ -137,11 +142,13 @@ class SemiMarkovChain(Part):
         )
         return np.repeat(states, lengths)
 
-    def probabilities(self, steps: int) -> np.ndarray:
+    @border
+    def probabilities(self, steps: Steps) -> np.ndarray:
         """P(s_t) without observations, (steps, K)."""
         return np.exp(self._forward(np.zeros((steps, len(self.initial)))))
 
-    def sample(self, steps: int, rng: np.random.Generator) -> np.ndarray:
+    @border
+    def sample(self, steps: Steps, rng: np.random.Generator) -> np.ndarray:
         """Draw states (steps,); the last stay may be cut short."""
         durations = np.exp(self.log_durations(steps)[0])
         states: list[int] = []
@@ -156,7 +163,8 @@ class SemiMarkovChain(Part):
             state = draw(self.transitions[state], rng)
         return np.array(states[:steps])
 
-    def log_durations(self, longest: int) -> tuple[np.ndarray, np.ndarray]:
+    @border
+    def log_durations(self, longest: Steps) -> tuple[np.ndarray, np.ndarray]:
         """Log probabilities that a stay lasts 1 ... L steps, and at least as many, (L, K)."""
         mean, variance = self.durations.mean[:, 0], self.durations.covariance[:, 0, 0]
         durations = _log_stays(mean, variance, longest)

@@ -13,15 +13,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tpsim.checks import whole
+from tpsim.border import Count, Number, border
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian, inverse_spd, symmetric
 from tpsim.learning.subspace import FULL
 from tpsim.learning.tp_gmm import TPGMM
 
 
+@border
 def shrink_directions(
-    model: TPGMM, demonstrations: int, given: Sequence[int] = (0,), blocks: int = 1
+    model: TPGMM, demonstrations: Count, given: Sequence[Number] = (0,), blocks: Count = 1
 ) -> TPGMM:
     """Shrink the covariance of the outputs, given the inputs, towards equal spread in space.
 
@@ -50,9 +51,7 @@ def shrink_directions(
     ArgumentError
         No demonstration, or dimensions that leave no output or do not make C equal blocks.
     """
-    whole("demonstrations", demonstrations, least=1)
-    whole("blocks", blocks, least=1)
-    inputs = np.asarray(given, int)
+    inputs = np.array(given, int)
     for dim in model.dims:
         size = dim - len(inputs)
         if size < 1 or size % blocks or not all(0 <= i < dim for i in inputs):

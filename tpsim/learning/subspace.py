@@ -101,7 +101,7 @@ class _Subspace(Part):
 
     def subspace(self, dim: int) -> int:
         """Dimension used in a space of dimension ``dim``: a subspace is smaller than it."""
-        return min(self.dimension, dim - 1)
+        return min(self.dimension, whole("dim", dim, least=1) - 1)
 
     def start(self, covariance, limit):
         """Need no factors."""
@@ -109,7 +109,7 @@ class _Subspace(Part):
 
     def free_parameters(self, dim):
         """D d - d (d - 1) / 2 for the subspace, and one for the noise."""
-        d = self.subspace(dim)
+        d, dim = self.subspace(dim), int(dim)
         return dim * d - d * (d - 1) // 2 + 1
 
 
@@ -191,7 +191,7 @@ class MFA(_Analysers):
 
     def free_parameters(self, dim):
         """D d - d (d - 1) / 2 for the loadings, and D for the noise."""
-        return super().free_parameters(dim) + dim - 1
+        return super().free_parameters(dim) + int(dim) - 1
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import Seed, entries, frozen_array, instance, several
+from tpsim.checks import Seed, entries, frozen_array, instance, several, whole
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
@@ -74,6 +74,7 @@ class TPGMM(Stored):
                 f"of {[frame.covariance.shape for frame in frames]}"
             )
         object.__setattr__(self, "relevance", relevance)
+        object.__setattr__(self, "samples", whole("samples", self.samples))
         object.__setattr__(self, "frames", frames)
         object.__setattr__(self, "history", frozen_array("history", self.history))
 

@@ -6,12 +6,20 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
+from tpsim.border import NotNegative, Number, border
+from tpsim.checks import finite_array
 from tpsim.control.planar import PlanarChain
-from tpsim.plot.style import INK, shades
+from tpsim.errors import ArgumentError
+from tpsim.plot.style import INK, Colour, drawable, shades
 
 
+@border
 def arm(
-    axis: Axes, chain: PlanarChain, postures: ArrayLike, colour: str = INK, label: str | None = None
+    axis: Axes,
+    chain: PlanarChain,
+    postures: ArrayLike,
+    colour: Colour = INK,
+    label: str | None = None,
 ) -> None:
     """Draw postures of a planar arm, from light to dark in the order given.
 
@@ -21,7 +29,9 @@ def arm(
     postures : (n,) or (T, n)
         Joint angles [rad].
     """
-    postures = np.atleast_2d(np.asarray(postures, float))
+    postures = drawable("postures", np.atleast_2d(finite_array("postures", postures)))
+    if postures.ndim != 2 or postures.shape[1] != len(chain.lengths):
+        raise ArgumentError(f"postures have shape {postures.shape}; give (T, {len(chain.lengths)})")
     for i, (q, shade) in enumerate(zip(postures, shades(colour, len(postures)), strict=True)):
         last = i + 1 == len(postures)
         axis.plot(
@@ -39,13 +49,14 @@ def arm(
     axis.plot(0, 0, "s", color=INK, ms=7, zorder=2.2)
 
 
+@border
 def skeleton(
     axis: Axes,
     joints: ArrayLike,
-    bones: Sequence[tuple[int, int]],
-    colour: str = INK,
+    bones: Sequence[tuple[Number, Number]],
+    colour: Colour = INK,
     *,
-    width: float = 1.8,
+    width: NotNegative = 1.8,
     label: str | None = None,
 ) -> None:
     """Draw a stick figure.
@@ -57,7 +68,9 @@ def skeleton(
     bones : sequence of (int, int)
         Pairs of joints that a bone connects.
     """
-    joints = np.asarray(joints, float)
+    joints = drawable("joints", joints, (None, 2))
+    if bones and np.max(bones) >= len(joints):
+        raise ArgumentError(f"bones name joint {np.max(bones)}; joints has {len(joints)} of them")
     for i, (start, end) in enumerate(bones):
         axis.plot(
             *joints[[start, end]].T,

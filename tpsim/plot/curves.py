@@ -4,15 +4,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from tpsim.plot.style import INK, PALETTE
+from tpsim.border import border
+from tpsim.plot.style import INK, PALETTE, Colour, drawable
 
 
+@border
 def band(
     axis: Axes,
     x: ArrayLike,
     mean: ArrayLike,
     deviation: ArrayLike,
-    colour: str = PALETTE[1],
+    colour: Colour = PALETTE[1],
     *,
     label: str | None = None,
 ) -> None:
@@ -22,11 +24,13 @@ def band(
     ----------
     x, mean, deviation : (T,)
     """
-    x, mean, deviation = (np.asarray(values, float) for values in (x, mean, deviation))
+    x = drawable("x", x, (None,))
+    mean, deviation = drawable("mean", mean, x.shape), drawable("deviation", deviation, x.shape)
     axis.fill_between(x, mean - deviation, mean + deviation, color=colour, alpha=0.2, lw=0)
     axis.plot(x, mean, color=colour, lw=1.8, label=label)
 
 
+@border
 def matrix(axis: Axes, values: ArrayLike) -> None:
     """Draw a matrix as an image, positive red, negative blue, zero white.
 
@@ -35,7 +39,7 @@ def matrix(axis: Axes, values: ArrayLike) -> None:
     values : (n, m)
         Such as a covariance.
     """
-    values = np.asarray(values, float)
+    values = drawable("values", values, (None, None))
     limit = max(float(np.abs(values).max()), 1e-300)
     axis.imshow(values, cmap="RdBu_r", vmin=-limit, vmax=limit, interpolation="nearest")
     axis.set_aspect("equal", adjustable="box")

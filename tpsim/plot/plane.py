@@ -8,21 +8,23 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgba
 from numpy.typing import ArrayLike
 
+from tpsim.border import Positive, border
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
-from tpsim.plot.style import INK, PALETTE, shades
+from tpsim.plot.style import INK, PALETTE, Colour, Marker, Opacity, drawable, shades
 
 U_SHAPE = np.array([[-0.2, 0.3], [-0.2, -0.1], [0.2, -0.1], [0.2, 0.3]])
 """Corners of an object in its own frame [m]; its open side is the second axis."""
 
 
+@border
 def demonstrations(
     axis: Axes,
     paths: Iterable[Demonstration | ArrayLike],
     *,
-    colour: str = INK,
+    colour: Colour = INK,
     label: str | None = None,
 ) -> None:
     """Draw demonstrated paths as thin faint lines.
@@ -34,17 +36,21 @@ def demonstrations(
     label : str, optional
         For the legend.
     """
-    for path in paths:
-        data = path.data if isinstance(path, Demonstration) else np.asarray(path, float)
+    for i, path in enumerate(paths):
+        given = path.data if isinstance(path, Demonstration) else path
+        data = drawable(f"paths[{i}]", given)
+        if data.ndim != 2 or data.shape[1] < 2:
+            raise ArgumentError(f"paths[{i}] has shape {data.shape}; give (T, 2)")
         axis.plot(*data[:, :2].T, color=colour, lw=0.8, alpha=0.35, label=label, zorder=1)
 
 
+@border
 def ellipses(
     axis: Axes,
     gaussian: Gaussian,
-    colour: str = PALETTE[0],
+    colour: Colour = PALETTE[0],
     *,
-    fill: float = 0.25,
+    fill: Opacity = 0.25,
     label: str | None = None,
 ) -> None:
     """Draw Gaussians in the plane as ellipses of one standard deviation, with their centres.
@@ -55,7 +61,7 @@ def ellipses(
     fill : float
         Opacity of the inside; 0 draws outlines alone.
     """
-    outlines = _outlines(gaussian)
+    outlines = _outlines("gaussian", gaussian)
     collection = PolyCollection(
         list(outlines), facecolors=to_rgba(colour, fill), edgecolors=colour, lw=1.0, zorder=2
     )
@@ -64,10 +70,11 @@ def ellipses(
     axis.plot(*gaussian.mean.reshape(-1, 2).T, ".", color=colour, ms=4, zorder=3)
 
 
+@border
 def tube(
     axis: Axes,
     path: Gaussian,
-    colour: str = PALETTE[1],
+    colour: Colour = PALETTE[1],
     *,
     label: str | None = None,
 ) -> None:
@@ -78,27 +85,37 @@ def tube(
     path : Gaussian (T, 2)
         One Gaussian per time step.
     """
-    outlines = _outlines(_between(path))
+    outlines = _outlines("path", _between(path))
     light = shades(colour, 5, 0.8)[0]
     # Opaque, so that ellipses that overlap make one even tube.
     _add(axis, PolyCollection(list(outlines), facecolors=light, lw=0, zorder=0.5), outlines)
     axis.plot(*path.mean.T, color=colour, lw=1.8, label=label, zorder=3)
 
 
+@border
 def points(
-    axis: Axes, places: ArrayLike, colour: str = INK, *, marker: str = "o", label: str | None = None
+    axis: Axes,
+    places: ArrayLike,
+    colour: Colour = INK,
+    *,
+    marker: Marker = "o",
+    label: str | None = None,
 ) -> None:
     """Mark places (..., 2), such as targets or via points."""
-    columns = np.asarray(places, float).reshape(-1, 2).T
+    given = drawable("places", places)
+    if given.shape[-1:] != (2,):
+        raise ArgumentError(f"places have shape {given.shape}; give (..., 2)")
+    columns = given.reshape(-1, 2).T
     axis.plot(*columns, marker, color=colour, ms=6, mew=1.6, label=label, zorder=4)
 
 
+@border
 def frames(
     axis: Axes,
     frames: Sequence[Frame],
-    colours: Sequence[str] = PALETTE[2:],
+    colours: Sequence[Colour] = PALETTE[2:],
     *,
-    size: float = 1.0,
+    size: Positive = 1.0,
     labels: Sequence[str] = (),
 ) -> None:
     """Draw frames of reference as the tutorial's U-shaped objects, open along the second axis.
@@ -114,14 +131,17 @@ def frames(
     labels : sequence of str, optional
         For the legend.
     """
+    if not colours:
+        raise ArgumentError("colours is empty; give at least one")
     for j, frame in enumerate(frames):
         if frame.A.shape != (2, 2):
             raise ArgumentError(
                 f"frame {j} has A of shape {frame.A.shape}; only constant frames in the plane, "
                 "with A of shape (2, 2), can be drawn"
             )
+        corners = drawable(f"frames[{j}]", frame.to_common(size * U_SHAPE))
         axis.plot(
-            *frame.to_common(size * U_SHAPE).T,
+            *corners.T,
             color=colours[j % len(colours)],
             lw=3.5,
             solid_joinstyle="miter",
@@ -133,6 +153,8 @@ def frames(
 
 def _between(path: Gaussian, pieces: int = 4) -> Gaussian:
     """Put Gaussians between those of consecutive steps, so that a tube has no notches."""
+    if path.mean.ndim != 2:
+        raise ArgumentError(f"path has means of shape {path.mean.shape}; give (T, 2)")
     places = np.linspace(0, len(path.mean) - 1, pieces * (len(path.mean) - 1) + 1)
     before = np.minimum(places.astype(int), max(len(path.mean) - 2, 0))
     after = np.minimum(before + 1, len(path.mean) - 1)
@@ -144,15 +166,17 @@ def _between(path: Gaussian, pieces: int = 4) -> Gaussian:
     )
 
 
-def _outlines(gaussian: Gaussian, corners: int = 48) -> np.ndarray:
+def _outlines(name: str, gaussian: Gaussian, corners: int = 48) -> np.ndarray:
     """Ellipses of one standard deviation (N, corners, 2)."""
     if gaussian.mean.shape[-1] != 2:
         raise ArgumentError(
-            f"the Gaussians have dimension {gaussian.mean.shape[-1]}; choose two coordinates with "
+            f"{name} has dimension {gaussian.mean.shape[-1]}; choose two coordinates with "
             ".marginal([i, j])"
         )
     angle = np.linspace(0, 2 * np.pi, corners)
     circle = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    drawable(name, gaussian.mean)
+    drawable(name, gaussian.covariance)
     eigenvalues, V = np.linalg.eigh(gaussian.covariance)
     roots = V * np.sqrt(np.maximum(eigenvalues, 0))[..., None, :]
     outlines = gaussian.mean[..., None, :] + circle @ np.swapaxes(roots, -1, -2)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tpsim.checks import array_of, finite_array, number, whole
+from tpsim.checks import affordable, array_of, finite_array, number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import add_ridge
 
@@ -25,12 +25,12 @@ def radial_basis(steps: int | ArrayLike, count: int, width: float | None = None)
         Standard deviation of each, in phase; by default the distance between centres.
     """
     if array_of("steps", steps).ndim == 0:
-        at = np.linspace(0, 1, whole("steps", steps, least=1))
+        at = np.linspace(0, 1, affordable("steps", steps))
     else:
         at = finite_array("steps", steps)
         if at.ndim != 1 or len(at) == 0:
             raise ArgumentError(f"steps have shape {at.shape}; give a number, or phases (T,)")
-    count = whole("count", count, least=1)
+    count = affordable("count", count, len(at))
     width = 1 / max(count - 1, 1) if width is None else number("width", width, above=0)
     log = -0.5 * ((at[:, None] - np.linspace(0, 1, count)) / width) ** 2
     basis = np.exp(log - log.max(1, keepdims=True))

@@ -5,12 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from tpsim.border import Count, border
+from tpsim.checks import affordable
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 
 
+@border
 def on_one_clock(
-    demonstrations: Sequence[Demonstration], samples: int | None = None
+    demonstrations: Sequence[Demonstration], samples: Count | None = None
 ) -> list[Demonstration]:
     """Demonstrations stretched to one duration, and sampled at the same, equally spaced times.
 
@@ -32,7 +35,6 @@ def on_one_clock(
     ArgumentError
         No demonstration, fewer than two samples, or frames or dimensions that differ.
     """
-    demonstrations = list(demonstrations)
     if not demonstrations:
         raise ArgumentError("there is no demonstration; give at least one")
     shapes = {(d.data.shape[1], tuple(o.shape[1] for o in d.observations)) for d in demonstrations}
@@ -42,6 +44,7 @@ def on_one_clock(
             f"{sorted(shapes)}; all need the same frames and the same data"
         )
     samples = int(np.median([len(d) for d in demonstrations])) if samples is None else samples
+    affordable("samples", samples, 64 * len(demonstrations))
     if samples < 2 or min(map(len, demonstrations)) < 2:
         raise ArgumentError("a movement needs at least 2 samples; give longer demonstrations")
     duration = float(np.median([d.time[-1] - d.time[0] for d in demonstrations]))

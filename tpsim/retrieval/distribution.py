@@ -10,7 +10,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from tpsim.agreement import agreed_with_warning
 from tpsim.archive import Stored
-from tpsim.checks import Seed, finite_array, flag, frozen_array, generator, number, several, whole
+from tpsim.checks import (
+    Seed,
+    affordable,
+    finite_array,
+    flag,
+    frozen_array,
+    generator,
+    instance,
+    number,
+    several,
+    whole,
+)
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
@@ -50,8 +61,10 @@ class TrajectoryDistribution(Stored):
             )
 
     @classmethod
-    def of(cls, gaussian: Gaussian) -> TrajectoryDistribution:
+    def of(cls, gaussian: Gaussian, name: str = "gaussian") -> TrajectoryDistribution:
         """Independent time steps: a Gaussian (T, D) without any mode."""
+        if instance(name, gaussian, Gaussian).mean.ndim != 2:
+            raise ArgumentError(f"{name} has means of shape {gaussian.mean.shape}; give (T, D)")
         return cls(gaussian.mean, np.zeros((0, *gaussian.mean.shape)), gaussian.covariance)
 
     def marginal(self) -> Gaussian:
@@ -68,7 +81,7 @@ class TrajectoryDistribution(Stored):
 
     def sample(self, rng: Seed, size: int = 1, *, noisy: bool = False) -> NDArray:
         """Draw (size, T, D) trajectories, with or without the noise of single steps."""
-        rng, size = generator("rng", rng), whole("size", size)
+        rng, size = generator("rng", rng), affordable("size", size, self.mean.size, least=0)
         z = rng.standard_normal((size, len(self.modes)))
         paths = self.mean + np.tensordot(z, self.modes, 1)
         if flag("noisy", noisy):
@@ -248,25 +261,6 @@ def fit_tp_trajectory_distribution(
     return TPTrajectoryDistribution(
         tuple(fit_trajectory_distribution(np.stack(v), modes, noise=noise) for v in views)
     )
-
-
-def fuse_frames(views: Sequence[Gaussian], frames: Sequence[Frame]) -> Gaussian:
-    """Product over frames at every time step, Eqs 5-6: data-driven models (TP-GP, TP-LWR).
-
-    Parameters
-    ----------
-    views
-        P Gaussians (T, d_j), what a regression retrieved in each frame.
-    frames
-        P frames, constant or moving with leading axis T.
-
-    Returns
-    -------
-    Gaussian with mean (T, D) and covariance (T, D, D).
-    """
-    views = several("views", views, Gaussian)
-    model = TPTrajectoryDistribution(tuple(TrajectoryDistribution.of(view) for view in views))
-    return model.adapt(frames).marginal()
 
 
 def _evidence(

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tpsim.archive import Stored
 from tpsim.checks import (
+    affordable,
     array_of,
     finite_array,
     frozen_array,
@@ -23,7 +24,6 @@ from tpsim.checks import (
     matrix,
     number,
     stamps,
-    whole,
 )
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
@@ -74,7 +74,9 @@ class Motion(Stored):
         else:
             time = stamps("dt", dt)
         if len(time) != len(position):
-            raise ArgumentError(f"{len(position)} positions and {len(time)} stamps; give one each")
+            raise ArgumentError(
+                f"position has {len(position)} samples and dt {len(time)} stamps; give one each"
+            )
         origin = position[0]  # far from zero, differences of small weights would lose digits
         velocity = np.gradient(position - origin, time, axis=0)
         return cls(position, velocity, np.gradient(velocity, time, axis=0))
@@ -93,7 +95,7 @@ def decay(steps: int, dt: float, rate: float = 1.0) -> NDArray:
         Decay rate alpha [1/s]: s_{t+1} = s_t (1 - alpha dt).
     """
     loss = number("rate", rate, above=0) * number("dt", dt, above=0)
-    steps = whole("steps", steps, least=1)
+    steps = affordable("steps", steps)
     if loss >= 1:
         raise ArgumentError(f"rate*dt is {loss}; allowed are steps that leave something, < 1")
     return (1 - loss) ** np.arange(steps)

@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 
+from tpsim.border import border
 from tpsim.demonstration import Demonstration
 from tpsim.retrieval.clock import on_one_clock
 from tpsim.retrieval.fit_tp_gmr import TPGMR, fit_tp_gmr
 from tpsim.retrieval.fit_tp_trajectory import TPTrajectory, fit_tp_trajectory
 
 
+@border
 def fit_movement(demonstrations: Sequence[Demonstration]) -> TPGMR | TPTrajectory:
     """Learn a movement that adapts to frames; everything is chosen by the demonstrations.
 

@@ -1,12 +1,14 @@
 """TP-GMR for who does not want to choose: structure and number of components by the data."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tpsim.border import Count, border, checked
+from tpsim.checks import entries, whole
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
@@ -16,7 +18,7 @@ from tpsim.learning.shrinkage import shrink_directions
 from tpsim.learning.subspace import Structure
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.retrieval.clock import on_one_clock
-from tpsim.retrieval.distribution import fuse_frames
+from tpsim.retrieval.fusion import fuse_frames
 from tpsim.retrieval.gmr import gmr
 from tpsim.retrieval.left_out import choose_components
 from tpsim.retrieval.tp_gmr import Order, tp_gmr
@@ -42,8 +44,12 @@ class TPGMR:
     model: TPGMM
     times: NDArray
     order: Order = "regression"
-    errors: dict[int, float] = field(default_factory=dict)
+    errors: Mapping[int, float] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        checked(self)
+
+    @border
     def __call__(self, frames: Sequence[Frame | None]) -> Gaussian:
         """Movement in new frames of the positions: mean (T, D), covariance (T, D, D).
 
@@ -51,8 +57,7 @@ class TPGMR:
         """
         if self.order != "regression" or not self._plain(frames):
             return tp_gmr(self.model, frames, self.times, order=self.order)
-        seen = [(v, f) for v, f in zip(self._views, frames, strict=True) if f is not None]
-        return fuse_frames([view for view, _ in seen], [frame for _, frame in seen])
+        return fuse_frames(self._views, frames)
 
     def _plain(self, frames: Sequence[Frame | None]) -> bool:
         """Whether the regressions that are remembered answer for these frames."""
@@ -69,9 +74,10 @@ class TPGMR:
         return [gmr(GMM(self.model.priors, frame), self.times) for frame in self.model.frames]
 
 
+@border
 def fit_tp_gmr(
     demonstrations: Sequence[Demonstration],
-    components: int | Iterable[int] = COMPONENTS,
+    components: Count | Iterable[Count] = COMPONENTS,
     *,
     covariance: str | Structure = SHRUNK,
     order: Order = "regression",
@@ -114,10 +120,12 @@ def fit_tp_gmr(
 
 def numbers_of(components: int | Iterable[int]) -> list[int]:
     """Numbers of components to choose from; ArgumentError where there is none."""
-    numbers = [components] if isinstance(components, int | np.integer) else sorted(components)
+    one = isinstance(components, int | np.integer)
+    given = [components] if one else entries("components", components, tables=False)
+    numbers = [whole("components", K, least=1) for K in given]
     if not numbers:
         raise ArgumentError("components is empty; give at least one number of components")
-    return [int(K) for K in numbers]
+    return sorted(numbers)
 
 
 def _model(

@@ -1,22 +1,22 @@
 """Task-parameterized trajectories: regression in every frame, their product, then one path."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tpsim.border import Count, Positive, border, checked
 from tpsim.demonstration import Demonstration
-from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
 from tpsim.learning.gmm import GMM
 from tpsim.learning.shrinkage import shrink_directions
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.retrieval.clock import on_one_clock
-from tpsim.retrieval.distribution import fuse_frames
 from tpsim.retrieval.fit_tp_gmr import numbers_of
+from tpsim.retrieval.fusion import fuse_frames
 from tpsim.retrieval.gmr import gmr
 from tpsim.retrieval.left_out import choose_components, left_out_scale
 from tpsim.retrieval.trajectory import trajectory
@@ -46,9 +46,13 @@ class TPTrajectory:
 
     model: TPGMM
     times: NDArray
-    scale: float = 1.0
-    errors: dict[int, float] = field(default_factory=dict)
+    scale: Positive = 1.0
+    errors: Mapping[int, float] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        checked(self)
+
+    @border
     def __call__(self, frames: Sequence[Frame | None]) -> Gaussian:
         """Movement in new frames of the positions: mean (T, D), covariance (T, D, D).
 
@@ -56,17 +60,8 @@ class TPTrajectory:
         time (Eqs 5-6), and the path that agrees best with both is returned (Eqs 30-31). None
         stands for a frame that is not observed.
         """
-        if len(frames) != len(self._views) or all(frame is None for frame in frames):
-            raise ArgumentError(
-                f"{len(frames)} frames were given; the model has {len(self._views)}, of which one "
-                "at least must be observed"
-            )
-        seen = [
-            (view, frame.with_derivatives(1))
-            for view, frame in zip(self._views, frames, strict=True)
-            if frame is not None
-        ]
-        fused = fuse_frames([view for view, _ in seen], [frame for _, frame in seen])
+        lifted = [None if frame is None else frame.with_derivatives(1) for frame in frames]
+        fused = fuse_frames(self._views, lifted)
         doubt = np.repeat([1.0, VELOCITY_SHARE**-0.5], fused.dim // 2)
         return trajectory(
             fused.mean,
@@ -84,9 +79,10 @@ class TPTrajectory:
         return [_doubted(view, duration) for view in local]
 
 
+@border
 def fit_tp_trajectory(
     demonstrations: Sequence[Demonstration],
-    components: int | Iterable[int] = COMPONENTS,
+    components: Count | Iterable[Count] = COMPONENTS,
     *,
     shrunk: bool = True,
 ) -> TPTrajectory:

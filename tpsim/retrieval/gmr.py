@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tpsim.archive import Stored
+from tpsim.border import checked, unchecked
 from tpsim.checks import FLOAT, dimensions, finite_array, instance, number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Dimensions, Gaussian, add_ridge, mixed_moments
@@ -92,8 +93,37 @@ class Regression(Stored):
     log_scale: NDArray
 
     def __post_init__(self) -> None:
-        for array in (self.input_mean, self.output_mean, self.linear, self.covariance):
-            array.setflags(write=False)
+        checked(self)
+        I, O = self.input_mean.shape[-1:], self.output_mean.shape[-1:]
+        lead = self.input_mean.shape[:-1]
+        shapes = [array.shape for array in vars(self).values()]
+        wanted = [(*lead, *I), (*lead, *O), (*lead, *I, *O), (*lead, *O, *O), lead]
+        if len(lead) and len(O):
+            wanted[2] = (*lead, I[0] + O[0], I[0])
+        if shapes != wanted:
+            raise ArgumentError(
+                f"input_mean, output_mean, linear, covariance and log_scale have shapes {shapes}; "
+                f"give (..., K, I), (..., K, O), (..., K, I + O, I), (..., K, O, O) and (..., K)"
+            )
+
+    @classmethod
+    def trusted(
+        cls,
+        input_mean: NDArray,
+        output_mean: NDArray,
+        linear: NDArray,
+        covariance: NDArray,
+        log_scale: NDArray,
+    ) -> Regression:
+        """Build without checks and copies, from arrays of one's own: the path of control loops."""
+        return unchecked(
+            cls,
+            input_mean=input_mean,
+            output_mean=output_mean,
+            linear=linear,
+            covariance=covariance,
+            log_scale=log_scale,
+        )
 
     @classmethod
     def of(
@@ -126,7 +156,7 @@ class Regression(Stored):
             conditional = add_ridge(conditional, number("ridge", ridge, least=0))
         diagonal = whiten.diagonal(axis1=-2, axis2=-1)
         log_scale = np.log(np.maximum(gmm.priors * np.multiply.reduce(diagonal, -1), _TINY))
-        return cls(mean[..., :inputs], mean[..., inputs:], linear, conditional, log_scale)
+        return cls.trusted(mean[..., :inputs], mean[..., inputs:], linear, conditional, log_scale)
 
     def __call__(self, inputs: ArrayLike) -> Gaussian:
         """Single Gaussian at inputs (..., I), Eqs 17-19: mean (..., O), covariance (..., O, O)."""
@@ -146,8 +176,8 @@ class Regression(Stored):
         point = point.reshape(-1)
         if self.input_mean.ndim != 2 or len(point) != size or not point.dot(point) < _BEYOND**2:
             raise ArgumentError(
-                f"at() takes {size} finite values and a mixture without leading axes; got "
-                f"{point} and leading axes {self.input_mean.shape[:-2]}"
+                f"at() takes a point of {size} finite values and a mixture without leading axes; "
+                f"got {point} and leading axes {self.input_mean.shape[:-2]}"
             )
         moved = self.linear @ (point - self.input_mean)[..., None]
         white, shift = moved[:, :size, 0], moved[:, size:, 0]

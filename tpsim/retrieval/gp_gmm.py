@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tpsim.archive import Stored
-from tpsim.checks import choice, finite_array, frozen_array, number, several
+from tpsim.border import Count, checked
+from tpsim.checks import choice, column_or_matrix, finite_array, matrix, number, several
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian, floor_eigenvalues, symmetric
 from tpsim.learning.gmm import GMM
@@ -33,16 +34,26 @@ class MixtureProcess(Stored):
     """
 
     process: GaussianProcess
-    shape: tuple[int, int]
+    shape: tuple[Count, Count]
     encoding: Encoding
     floor: NDArray
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "floor", frozen_array("floor", self.floor))
+        checked(self)
+        K, D = self.shape
+        size = K + K * D + K * D * D
+        if self.floor.shape != (K,) or len(self.process.mean) != size:
+            raise ArgumentError(
+                f"floor has shape {self.floor.shape} and process {len(self.process.mean)} outputs; "
+                f"with shape {self.shape} give ({K},) and {size}"
+            )
 
     def __call__(self, task: ArrayLike) -> GMM:
         """Mixture for new task parameters (q,), Eq. 46."""
-        theta = self.process(finite_array("task", task).reshape(1, -1)).mean[0]
+        wanted = matrix(
+            "task", finite_array("task", task).reshape(1, -1), self.process.inputs.shape[1]
+        )
+        theta = self.process(wanted).mean[0]
         K, D = self.shape
         priors, means, covariances = np.split(theta, [K, K + K * D])
         covariances = symmetric(covariances.reshape(K, D, D))
@@ -86,7 +97,9 @@ def fit_gp_gmm(
         Mixtures of different size, a singular covariance, or another number of tasks.
     """
     choice("encoding", encoding, ("logarithm", "entries"))
-    gmms = several("gmms", gmms, GMM)
+    gmms, tasks = several("gmms", gmms, GMM), column_or_matrix("tasks", tasks)
+    if len(tasks) != len(gmms):
+        raise ArgumentError(f"{len(tasks)} tasks and {len(gmms)} gmms were given; give one each")
     shapes = {gmm.gaussians.mean.shape for gmm in gmms}
     if len(shapes) != 1 or len(min(shapes)) != 2:
         raise ArgumentError(f"gmms have means of shapes {sorted(shapes)}; give one shape (K, D)")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_solve, solve_triangular
 
 from tpsim.archive import Part
-from tpsim.checks import finite_array, frozen_array
+from tpsim.checks import affordable, finite_array, frozen_array, matrix, shown
 from tpsim.errors import ArgumentError
 
 SHORTEST, LONGEST = 1e-2, 1e1  # lengths searched, of the extent of the inputs
@@ -39,7 +39,7 @@ class SquaredExponential(Part):
             value = finite_array(name, getattr(self, name))
             if value.ndim > 1 or (not (value > 0).all() and (name != "noise" or (value < 0).any())):
                 raise ArgumentError(
-                    f"{name} is {getattr(self, name)}; variance and length must be positive, "
+                    f"{name} is {shown(value)}; variance and length must be positive, "
                     "noise not negative: numbers, or one for every output"
                 )
             shapes.add(value.shape)
@@ -56,6 +56,10 @@ class SquaredExponential(Part):
 
     def matrices(self, a: NDArray, b: NDArray) -> NDArray:
         """Covariance of every output, (O, N, M), or of all of them, (1, N, M)."""
+        a, b = matrix("a", a), matrix("b", b)
+        if a.shape[1] != b.shape[1]:
+            raise ArgumentError(f"a has shape {a.shape} and b {b.shape}; give (N, I) and (M, I)")
+        affordable("a", len(a), len(b) * max(self.outputs, 1))
         variance, length, _ = self._columns
         return variance[:, None, None] * np.exp(-0.5 * _squares(a, b) / length[:, None, None] ** 2)
 

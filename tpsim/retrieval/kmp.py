@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag, cho_factor, cho_solve
 
+from tpsim.border import Positive, checked
+from tpsim.checks import number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian, finite_array, symmetric
 
@@ -32,26 +34,23 @@ class KMP:
 
     inputs: NDArray
     reference: Gaussian
-    length: float
-    regularisation: float = 1.0
+    length: Positive
+    regularisation: Positive = 1.0
 
     def __post_init__(self) -> None:
-        inputs = finite_array("inputs", self.inputs)
+        checked(self)
+        inputs = self.inputs
         if inputs.shape != self.reference.mean.shape[:1] or len(inputs) == 0:
             raise ArgumentError(
                 f"inputs {inputs.shape} and reference {self.reference.mean.shape} must be (N,) "
                 "and (N, O) with N >= 1"
             )
-        if not (0 < self.length < np.inf and 0 < self.regularisation < np.inf):
-            raise ArgumentError(
-                f"length is {self.length} and regularisation {self.regularisation}; both must be "
-                "positive"
-            )
-        object.__setattr__(self, "inputs", inputs)
 
     def __call__(self, queries: ArrayLike) -> Gaussian:
         """Path at queries (T,): mean (T, O), covariance (T, O, O)."""
         queries = np.atleast_1d(finite_array("queries", queries)).reshape(-1)
+        if not len(queries):
+            raise ArgumentError("queries is empty; give at least one input")
         O = self.reference.dim
         kernel = self._kernel(queries, self.inputs)
         cross = np.kron(kernel, np.eye(O))
@@ -67,13 +66,14 @@ class KMP:
         It takes the place of a reference point that is nearer than half the usual distance
         between them, and joins the reference otherwise.
         """
-        point = finite_array("point", point)
-        wanted = Gaussian(point, np.broadcast_to(covariance, (len(point), len(point))))
-        if point.shape != (self.reference.dim,) or not np.isfinite(input):
+        input, point = number("input", input), finite_array("point", point)
+        O, covariance = self.reference.dim, finite_array("covariance", covariance)
+        if point.shape != (O,) or covariance.shape not in ((), (O, O)):
             raise ArgumentError(
-                f"point has shape {point.shape} and input is {input}; they must be "
-                f"({self.reference.dim},) and finite"
+                f"point has shape {point.shape} and covariance {covariance.shape}; give ({O},) and "
+                f"({O}, {O})"
             )
+        wanted = Gaussian(point, covariance * np.eye(O) if covariance.ndim == 0 else covariance)
         apart = np.abs(self.inputs - input)
         spacing = np.median(np.diff(np.sort(self.inputs))) if len(self.inputs) > 1 else 0.0
         kept = apart > 0.5 * spacing

@@ -13,6 +13,10 @@ from tpsim.retrieval.least import least_variances
 LEAST = 1e-3  # of the spread of the outputs around a query: a smaller error is never believed
 
 
+FAR = 40.0
+"""Widths away from a query at which the weight of an input has vanished."""
+
+
 def lwr(
     inputs: ArrayLike,
     outputs: ArrayLike,
@@ -60,9 +64,10 @@ def lwr(
             f"inputs {inputs.shape}, outputs {y.shape} and queries {queries.shape} must be "
             "(N,), (N, O) and (T,)"
         )
-    width, degree = number("width", width, above=0), whole("degree", degree)
+    width, degree = number("width", width, above=0), whole("degree", degree, most=20)
     ridge = None if ridge is None else number("ridge", ridge, least=0)
-    z = (inputs - queries[:, None]) / width
+    with np.errstate(over="ignore"):
+        z = (inputs - queries[:, None]) / width
     h = np.exp(-0.5 * z**2)
     reached = h.sum(1) > 1e-12
     if not reached.all():
@@ -71,7 +76,8 @@ def lwr(
             f"({inputs.min():g} to {inputs.max():g}). Stay in that range or give a larger width"
         )
     h /= h.sum(1, keepdims=True)
-    powers = z[..., None] ** np.arange(degree + 1)
+    # What is far away has no weight, and its powers must not overflow.
+    powers = np.clip(z, -FAR, FAR)[..., None] ** np.arange(degree + 1)
     weighted = powers.mT * h[:, None]
     normal = weighted @ powers
     if not (np.linalg.cond(normal) < WORST_CONDITION).all():

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from tpsim.agreement import agreed_with_warning
 from tpsim.archive import Stored
 from tpsim.checks import (
+    affordable,
+    array_of,
     column_or_matrix,
     entries,
     frozen_array,
@@ -51,7 +53,7 @@ class ProMP(Stored):
     noise: float | NDArray = 1e-6
 
     def __post_init__(self) -> None:
-        whole("count", self.count, least=1)
+        object.__setattr__(self, "count", whole("count", self.count, least=1))
         shape = instance("weights", self.weights, Gaussian).mean.shape
         if len(shape) != 1 or shape[0] % self.count:
             raise ArgumentError(f"weights have means {shape}; with count K they must be (K*D,)")
@@ -78,6 +80,8 @@ class ProMP(Stored):
         Condition and sample it there.
         """
         K, D = self.count, self.weights.dim // self.count
+        if array_of("steps", steps).ndim == 0:
+            affordable("steps", steps, K * D * K * D)
         basis = radial_basis(steps, K, self.width)
         root = cholesky(self.weights.covariance, "covariance of the weights")
         modes = np.einsum("tk,kdn->ntd", basis, root.reshape(K, D, K * D))
@@ -217,6 +221,7 @@ def _fit_promp(
     ridge = None if ridge is None else number("ridge", ridge, above=0)
     weight_ridge = None if weight_ridge is None else number("weight_ridge", weight_ridge, above=0)
     noise = None if noise is None else number("noise", noise, least=0)
+    count = whole("count", count, least=1)
     bases = [radial_basis(at, count, width) for at in phases]
     fits = [regress(path, basis, ridge) for path, basis in zip(paths, bases, strict=True)]
     mean = np.mean(fits, axis=0)

@@ -14,30 +14,33 @@ its own duration. See docs/time-pull.md.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tpsim.border import NotNegative, Number, border
+from tpsim.checks import finite_array
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian, add_ridge, match_moments
 from tpsim.learning.gmm import GMM
 from tpsim.learning.tp_gmm import TPGMM
-from tpsim.retrieval.distribution import fuse_frames
+from tpsim.retrieval.fusion import fuse_frames
 from tpsim.retrieval.gmr import Regression, gmr
 
 Order = Literal["regression", "product", "held"]
 
 
+@border
 def tp_gmr(
     tpgmm: TPGMM,
     frames: Sequence[Frame | None],
     inputs: ArrayLike,
-    given: Sequence[int] = (0,),
+    given: Sequence[Number] = (0,),
     order: Order = "regression",
     *,
-    ridge: float = 0.0,
+    ridge: NotNegative = 0.0,
 ) -> Gaussian:
     """Retrieve a movement from a TP-GMM over inputs and outputs in new frames, Eqs 5-6 and 13-20.
 
@@ -70,18 +73,21 @@ def tp_gmr(
         Another number of frames, all of them None, shapes that do not fit, an unknown order, or
         a frame that changes the inputs where the order asks for equal ones.
     """
-    _check(tpgmm, frames, order)
+    _check(tpgmm, frames)
+    inputs = finite_array("inputs", inputs)
+    if inputs.ndim not in (1, 2) or not inputs.size:
+        raise ArgumentError(f"inputs have shape {inputs.shape}; give (T, {len(given)}), T >= 1")
     if order == "product":
         lifted = [
             frame if frame is None or frame.local_dim == d else _lift(frame, given)
             for frame, d in zip(frames, tpgmm.dims, strict=True)
         ]
         return gmr(tpgmm.adapt(lifted), inputs, given, ridge=ridge)
-    seen = [j for j, frame in enumerate(frames) if frame is not None]
     observed = [
-        _outputs(frame, tpgmm.dims[j], given) for j, frame in enumerate(frames) if frame is not None
+        None if frame is None else _outputs(frame, dim, given)
+        for frame, dim in zip(frames, tpgmm.dims, strict=True)
     ]
-    views = [Regression.of(GMM(tpgmm.priors, tpgmm.frames[j]), given) for j in seen]
+    views = [Regression.of(GMM(tpgmm.priors, local), given) for local in tpgmm.frames]
     if order == "regression":
         path = fuse_frames([view(inputs) for view in views], observed)
     else:
@@ -89,10 +95,14 @@ def tp_gmr(
     return Gaussian.trusted(path.mean, add_ridge(path.covariance, ridge)) if ridge else path
 
 
-def _held(views: Sequence[Regression], frames: Sequence[Frame], inputs: ArrayLike) -> Gaussian:
+def _held(
+    views: Sequence[Regression], frames: Sequence[Frame | None], inputs: ArrayLike
+) -> Gaussian:
     """Product over frames of every component, weighted as the inputs were learned."""
     modes = [view.mixture(inputs) for view in views]
-    weights = np.mean([h for h, _ in modes], axis=0)
+    weights = np.mean(
+        [h for (h, _), frame in zip(modes, frames, strict=True) if frame is not None], axis=0
+    )
     steps, components = weights.shape
     flat = [
         Gaussian.trusted(
@@ -102,7 +112,7 @@ def _held(views: Sequence[Regression], frames: Sequence[Frame], inputs: ArrayLik
     ]
     repeated = [
         Frame(np.repeat(frame.A, components, 0), np.repeat(frame.b, components, 0))
-        if frame.shape
+        if frame is not None and frame.shape
         else frame
         for frame in frames
     ]
@@ -115,9 +125,7 @@ def _held(views: Sequence[Regression], frames: Sequence[Frame], inputs: ArrayLik
     return match_moments(weights, shaped)
 
 
-def _check(tpgmm: TPGMM, frames: Sequence[Frame | None], order: str) -> None:
-    if order not in get_args(Order):
-        raise ArgumentError(f"order is {order!r}; allowed are {', '.join(get_args(Order))}")
+def _check(tpgmm: TPGMM, frames: Sequence[Frame | None]) -> None:
     if len(frames) != len(tpgmm.frames):
         raise ArgumentError(
             f"{len(frames)} frames were given; the model has {len(tpgmm.frames)} (None where one "

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 
-from tpsim.checks import FASTEST, array_of, choice, finite_array, number, whole
+from tpsim.checks import FASTEST, affordable, array_of, choice, felt, finite_array, number, whole
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 
@@ -54,8 +54,9 @@ def derivative_operator(
     """
     from scipy.sparse import coo_array, eye_array, kron
 
-    _check_grid(steps, dt, derivatives, differences)
-    whole("dim", dim, least=1)
+    dt = _check_grid(steps, dt, derivatives, differences)
+    steps, derivatives = int(steps), int(derivatives)
+    dim = affordable("dim", dim, steps * (derivatives + 1))
     order = derivatives + 1
     windows = _windows(steps, dt, order, differences)
     start = np.arange(steps) - (order - 1 if differences == "backward" else 0)
@@ -108,7 +109,7 @@ def trajectory(
     """
     means, covariances = _check_statistics(means, covariances, derivatives)
     steps, size = means.shape
-    _check_grid(steps, dt, derivatives, differences)
+    dt = _check_grid(steps, dt, derivatives, differences)
     choice("border", border, ("free", "zero"))
     scale = number("scale", scale, above=0)
     order = derivatives + 1
@@ -258,19 +259,24 @@ def _diagonal_blocks_of_inverse(factor: NDArray, dim: int) -> NDArray:
     return diagonal.reshape(-1, dim, dim)[: size // dim]
 
 
-def _check_grid(steps: int, dt: float, derivatives: int, differences: str) -> None:
-    whole("steps", steps, least=1)
-    whole("derivatives", derivatives)
-    if number("dt", dt, above=0, what="time step [s]") ** max(derivatives, 1) < FASTEST:
-        raise ArgumentError(f"dt is {dt} s; rates of change over it leave floating point")
+def _check_grid(steps: int, dt: float, derivatives: int, differences: str) -> float:
+    """The time step, where all fit together; else an ArgumentError."""
+    derivatives = whole("derivatives", derivatives)
+    affordable("steps", steps, (derivatives + 1) ** 2)
+    dt = number("dt", dt, above=0, what="time step [s]")
+    if not FASTEST <= dt ** max(derivatives, 1) <= 1 / FASTEST:
+        raise ArgumentError(
+            f"dt is {dt} s and derivatives {derivatives}; such rates of change leave floating point"
+        )
     choice("differences", differences, ("forward", "backward"))
+    return dt
 
 
 def _check_statistics(
     means: ArrayLike, covariances: ArrayLike, derivatives: int
 ) -> tuple[NDArray, NDArray]:
-    whole("derivatives", derivatives)
-    means, covariances = finite_array("means", means), finite_array("covariances", covariances)
+    derivatives = whole("derivatives", derivatives)
+    means, covariances = finite_array("means", means), felt("covariances", covariances)
     if means.ndim != 2 or covariances.shape != (*means.shape, means.shape[-1]):
         raise ArgumentError(
             f"means {means.shape} and covariances {covariances.shape} do not fit; give (T, C*D) "

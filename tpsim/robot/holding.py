@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from tpsim.errors import ArgumentError
+from tpsim.robot.home import put
 from tpsim.robot.reading import compiled
 
 
@@ -71,7 +72,6 @@ def exclude_touching(spec: mujoco.MjSpec, positions: Mapping[str, float]) -> lis
 
 def _at(model: mujoco.MjModel, positions: Mapping[str, float]) -> mujoco.MjData:
     data = mujoco.MjData(model)
-    for name, position in positions.items():
-        data.qpos[model.jnt_qposadr[model.joint(name).id]] = position
+    put(model, data.qpos, positions)
     mujoco.mj_forward(model, data)
     return data

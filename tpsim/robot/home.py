@@ -5,6 +5,8 @@ from collections.abc import Mapping, Sequence
 import mujoco
 import numpy as np
 
+from tpsim.border import read
+from tpsim.checks import finite_array, shown
 from tpsim.errors import ArgumentError
 
 Home = Mapping[str, float] | Sequence[float] | np.ndarray | None
@@ -74,6 +76,12 @@ def rest(model: mujoco.MjModel, known: Mapping[str, float]) -> dict[str, float]:
     return positions
 
 
+def put(model: mujoco.MjModel, qpos: np.ndarray, positions: Mapping[str, float]) -> None:
+    """Write positions of hinges and slides by name, rad or m, into a qpos of the model."""
+    for name, position in positions.items():
+        qpos[model.joint(name).qposadr[0]] = position
+
+
 def scalar_joints(model: mujoco.MjModel) -> dict[str, int]:
     """Return the ids of the hinges and slides by name."""
     kinds = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
@@ -99,13 +107,13 @@ def _within(model: mujoco.MjModel, joint: int, position: float) -> float:
 def _given(model: mujoco.MjModel, joints: Sequence[str], home: Home) -> dict[str, float]:
     if home is None:
         return {}
-    named = home if isinstance(home, Mapping) else None
+    named = read("home", home, Mapping[str, object]) if isinstance(home, Mapping) else None
     try:
-        values = np.array(list(home.values()) if isinstance(home, Mapping) else home, float)
-    except (TypeError, ValueError):
-        values = np.array(np.nan)
-    if not np.isfinite(values).all():
-        raise ArgumentError(f"home is {home!r}, but must be finite joint positions, rad or m")
+        values = finite_array("home", list(home.values()) if isinstance(home, Mapping) else home)
+    except ArgumentError:
+        raise ArgumentError(
+            f"home is {shown(home)}, but must be finite joint positions, rad or m"
+        ) from None
     if named is None and values.shape != (len(joints),):
         raise ArgumentError(
             f"home has shape {values.shape}, but there are {len(joints)} arm joints: "

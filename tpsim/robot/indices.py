@@ -5,7 +5,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tpsim.checks import several, shown
 from tpsim.errors import ArgumentError
+
+LONGEST = 1000
+"""Letters in the name of a joint, at most."""
 
 Names = str | tuple[str, ...]
 
@@ -20,21 +24,25 @@ class Indices:
 
     def find(self, joints: Names) -> np.ndarray:
         """Indices (k,) of a regular expression that matches whole names, or of names."""
+        joints = joints if isinstance(joints, str) else tuple(several("joints", joints, str))
         if joints not in self._found:
             names = (joints,) if isinstance(joints, str) else joints
             found = [
                 i
                 for name in names
                 for i, joint in enumerate(self._joints)
-                if joint == name or re.fullmatch(name, joint)
+                if matched(name, joint, "joints")
             ]
             if not found:
-                raise ArgumentError(f"no joint matches {joints!r}; the robot has {self._joints}")
+                raise ArgumentError(
+                    f"no joint matches {shown(joints)}; the robot has {self._joints}"
+                )
             self._found[joints] = np.array(found)
         return self._found[joints]
 
     def span(self, joints: Names) -> slice | np.ndarray:
         """The same indices as a slice, where they follow each other."""
+        joints = joints if isinstance(joints, str) else tuple(several("joints", joints, str))
         if joints not in self._spans:
             self._spans[joints] = as_slice(self.find(joints))
         return self._spans[joints]
@@ -46,3 +54,25 @@ def as_slice(indices: Sequence[int] | np.ndarray) -> slice | np.ndarray:
     if np.array_equal(indices, np.arange(first, first + len(indices))):
         return slice(first, first + len(indices))
     return np.asarray(indices)
+
+
+def matched(pattern: str, joint: str, argument: str) -> bool:
+    """Whether a joint has this name, or matches this regular expression as a whole.
+
+    Raises
+    ------
+    ArgumentError
+        If the pattern is no regular expression.
+    """
+    if len(pattern) > LONGEST:
+        raise ArgumentError(
+            f"{argument} has a name of {len(pattern)} letters; give at most {LONGEST}"
+        )
+    if pattern == joint:
+        return True
+    try:
+        return re.fullmatch(pattern, joint) is not None
+    except re.error as error:
+        raise ArgumentError(
+            f"{argument} names '{pattern}', which is no joint and no regular expression: {error}"
+        ) from None

@@ -8,6 +8,8 @@ from typing import Literal
 import mujoco
 import numpy as np
 
+from tpsim import border, checks
+from tpsim.checks import shown
 from tpsim.errors import ArgumentError
 from tpsim.robot.actuators import torque_motors
 from tpsim.robot.assets import embed
@@ -96,6 +98,7 @@ def take_in(
         If the source does not compile, or cannot be a torque-controlled arm: one line says why,
         what the file has, and what to do.
     """
+    border.read("hands", hands, Mapping[str, str])
     return _take_in(read(source), hands, torque_limit, velocity_limit, home, others)
 
 
@@ -129,6 +132,9 @@ def take_in_urdf(
     ArgumentError
         If the file cannot be read or be a torque-controlled arm; one line says why.
     """
+    border.read("hands", hands, Mapping[str, str])
+    border.read("packages", packages, Mapping[str, str | Path] | None)
+    path = checks.path("path", path)
     draft = read_urdf(path, packages, hands.values())
     source = _take_in(draft, hands, torque_limit, velocity_limit, home, "locked")
     excluded = exclude_touching(source.spec, dict(zip(source.joints, source.home, strict=True)))
@@ -143,8 +149,8 @@ def _take_in(
     home: Home,
     others: Literal["locked", "servo"],
 ) -> Source:
-    if others not in ("locked", "servo"):
-        raise ArgumentError(f"others is {others!r}, but must be 'locked' or 'servo'")
+    if not isinstance(others, str) or others not in ("locked", "servo"):
+        raise ArgumentError(f"others is {shown(others)}, but must be 'locked' or 'servo'")
     spec = draft.spec
     name_elements(spec)
     model = compiled(spec)

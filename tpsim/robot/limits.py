@@ -1,12 +1,14 @@
 """Limits as a user gives them: one number, numbers by joint name, or one per joint."""
 
-import re
 from collections.abc import Mapping, Sequence
 
 import mujoco
 import numpy as np
 
+from tpsim.border import read
+from tpsim.checks import finite_array, shown
 from tpsim.errors import ArgumentError
+from tpsim.robot.indices import matched
 
 Limit = float | Mapping[str, float] | Sequence[float] | np.ndarray | None
 """``None`` for what the file says, a number for all joints, numbers by joint name or regular
@@ -68,19 +70,17 @@ def motor_limits(model: mujoco.MjModel, joints: Sequence[str]) -> np.ndarray:
 def _numbers(given: object, argument: str) -> np.ndarray:
     """Return given numbers as an array without NaN."""
     try:
-        values = np.array(given, float)
-    except (TypeError, ValueError):
-        values = np.array(np.nan)
-    if np.isnan(values).any():
+        return finite_array(argument, given)
+    except ArgumentError:
         raise ArgumentError(
-            f"{argument} is {given!r}, but must be a number, one per arm joint, or a mapping of "
-            "joint names to numbers"
-        )
-    return values
+            f"{argument} is {shown(given)}, but must be a finite number, one per arm joint, or a "
+            "mapping of joint names to numbers"
+        ) from None
 
 
 def _by_name(given: Mapping[str, float], joints: Sequence[str], argument: str) -> np.ndarray:
     values = np.full(len(joints), np.nan)
+    read(argument, given, Mapping[str, object])
     patterns = sorted(given, key=lambda name: name not in joints)
     for pattern in reversed(patterns):
         number = _numbers(given[pattern], f"{argument} of '{pattern}'")
@@ -93,21 +93,3 @@ def _by_name(given: Mapping[str, float], joints: Sequence[str], argument: str) -
             )
         values[matches] = number
     return values
-
-
-def matched(pattern: str, joint: str, argument: str) -> bool:
-    """Whether a joint has this name, or matches this regular expression as a whole.
-
-    Raises
-    ------
-    ArgumentError
-        If the pattern is no regular expression.
-    """
-    if pattern == joint:
-        return True
-    try:
-        return re.fullmatch(pattern, joint) is not None
-    except re.error as error:
-        raise ArgumentError(
-            f"{argument} names '{pattern}', which is no joint and no regular expression: {error}"
-        ) from None

@@ -6,6 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from tpsim.border import read
+from tpsim.checks import shown
 from tpsim.errors import SimulationError
 from tpsim.pose import Pose
 
@@ -62,10 +64,12 @@ class Objects(Mapping[str, Moving]):
         self.positions, self.quaternions, self.twists = positions, quaternions, twists
 
     @classmethod
-    def of(cls, poses: Mapping[str, Pose]) -> "Objects":
+    def of(cls, poses: Mapping[str, Pose], name: str = "poses") -> "Objects":
         """Objects at rest at these poses."""
-        positions = np.array([pose.position for pose in poses.values()], float).reshape(-1, 3)
-        turned = [pose.quaternion for pose in poses.values()]
+        read(name, poses, Mapping[str, Pose])
+        known = [pose.checked(f"{name}[{key!r}]") for key, pose in poses.items()]
+        positions = np.array([pose.position for pose in known], float).reshape(-1, 3)
+        turned = [pose.quaternion for pose in known]
         rows = {name: row for row, name in enumerate(poses)}
         return cls(rows, positions, np.array(turned, float).reshape(-1, 4))
 
@@ -84,15 +88,16 @@ class Objects(Mapping[str, Moving]):
 
     def __getitem__(self, name: str) -> Moving:
         """Return the object called ``name``."""
-        found = self._moving.get(name)
+        found = self._moving.get(name) if isinstance(name, str) else None
         if found is None:
             found = self._moving[name] = self._look(name)
         return found
 
     def _look(self, name: str) -> Moving:
-        if name not in self._rows:
+        if not isinstance(name, str) or name not in self._rows:
             raise SimulationError(
-                f"there is no object '{name}' in the scene; it has {sorted(self._rows) or 'none'}"
+                f"there is no object {shown(name)} in the scene; it has "
+                f"{sorted(self._rows) or 'none'}"
             )
         row = self._rows[name]
         w, x, y, z = self.quaternions[row].tolist()

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 from scipy.optimize import minimize
 
+from tpsim.robot.home import put
 from tpsim.robot.kinematic_chain import joints_above
 
 _STARTS = 6
@@ -51,10 +52,9 @@ def find_home(
     free = dict(zip((model.joint(joint).id for joint in joints), torque_limit, strict=True))
     middle, _, _ = _ranges(model, [*free])
     data.qpos[model.jnt_qposadr[[*free]]] = middle
-    for name, position in known.items():
-        number = model.joint(name).id
-        data.qpos[model.jnt_qposadr[number]] = position
-        free.pop(number, None)
+    put(model, data.qpos, known)
+    for name in known:
+        free.pop(model.joint(name).id, None)
     for site in (model.site(name).id for name in hands.values()):
         chain = sorted(free.keys() & set(joints_above(model, int(model.site_bodyid[site]))))
         if chain:

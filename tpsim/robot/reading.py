@@ -6,6 +6,7 @@ from pathlib import Path
 
 import mujoco
 
+from tpsim import checks
 from tpsim.errors import ArgumentError, one_line
 
 
@@ -40,7 +41,7 @@ def read(source: str | Path | mujoco.MjSpec) -> Draft:
         return Draft(source.copy())
     if isinstance(source, str) and source.lstrip().startswith("<"):
         return Draft(parsed(lambda: mujoco.MjSpec.from_string(source), "the MJCF text"))
-    path = Path(source)
+    path = checks.path("source", source)
     if path.suffix.lower() == ".urdf":
         raise ArgumentError(f"{path} is a URDF: read it by from_urdf")
     if not path.is_file():
@@ -62,6 +63,14 @@ def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
         return spec.compile()
     except (ValueError, mujoco.FatalError) as error:
         raise ArgumentError(f"the robot does not compile: {_line(error)}") from None
+
+
+def compiled_text(xml: str, assets: dict[str, bytes]) -> mujoco.MjModel:
+    """Compile MJCF text; an ArgumentError with MuJoCo's reason where it does not."""
+    try:
+        return mujoco.MjModel.from_xml_string(xml, assets)
+    except (ValueError, mujoco.FatalError) as error:
+        raise ArgumentError(f"the robot does not compile with its limits: {_line(error)}") from None
 
 
 def name_elements(spec: mujoco.MjSpec) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from tpsim.checks import finite_array, number, shown
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.pose import Pose
 from tpsim.robot.indices import Indices, Names
@@ -128,11 +129,11 @@ class Robot:
 
     @classmethod
     def _of(cls, found: "Source") -> "Robot":
-        import mujoco
 
         from tpsim.robot.description import Description
+        from tpsim.robot.reading import compiled_text
 
-        model = mujoco.MjModel.from_xml_string(found.spec.to_xml(), dict(found.assets))
+        model = compiled_text(found.spec.to_xml(), dict(found.assets))
         return cls.of(model, Description.of(found), found)
 
     @classmethod
@@ -203,15 +204,19 @@ class Robot:
         ArgumentError
             If q or dq has another shape.
         """
-        q, dq = np.asarray(q, float), np.zeros(self.n) if dq is None else np.asarray(dq, float)
-        if q.shape != (self.n,) or dq.shape != (self.n,):
-            raise ArgumentError(
-                f"q has shape {q.shape} and dq {dq.shape}; the robot has {self.n} joints"
-            )
+        q, dq = self.posture("q", q), np.zeros(self.n) if dq is None else self.posture("dq", dq)
         x = np.concatenate((q, dq))
         x.flags.writeable = False
-        known = objects if isinstance(objects, Objects) else Objects.of(objects)
-        return State(self, x, known, time)
+        known = objects if isinstance(objects, Objects) else Objects.of(objects, "objects")
+        return State(self, x, known, number("time", time))
+
+    def posture(self, name: str, q: ArrayLike) -> np.ndarray:
+        """One finite number for each joint (n,), or an ArgumentError that calls it ``name``."""
+        found = finite_array(name, q)
+        if found.shape != (self.n,):
+            wanted = f"the robot has {self.n} joints: give {self.n} finite numbers"
+            raise ArgumentError(f"{name} has shape {found.shape}; {wanted}")
+        return found
 
     def index(self, joints: Names) -> np.ndarray:
         """Indices (k,) in q of joints: a regular expression that matches whole names, or names.
@@ -235,7 +240,7 @@ class Robot:
 
     def gravity_torque(self, q: ArrayLike) -> np.ndarray:
         """Torque (n,) [Nm] that holds the robot still at q (n,)."""
-        q = np.asarray(q, float)
+        q = self.posture("q", q)
         torque = pin.computeGeneralizedGravity(self._pin, self._dynamics, q)
         return self._with_springs(torque, q) if self._sprung else torque
 
@@ -251,13 +256,16 @@ class Robot:
 
         ``load`` is the largest share of the motors' torque that gravity may take.
         """
+        q, margin, load = self.posture("q", q), number("margin", margin), number("load", load)
         room = np.minimum(q - self.lower, self.upper - q).min()
         weight = np.abs(self.gravity_torque(q)) / self.torque_limit
         return bool(room > margin and weight.max() < load)
 
     def _site(self, name: str) -> int:
-        if name not in self.sites:
-            raise SimulationError(f"no site '{name}' on the robot; it has {sorted(self.sites)}")
+        if not isinstance(name, str) or name not in self.sites:
+            raise SimulationError(
+                f"no site {shown(name)} on the robot; it has {sorted(self.sites)}"
+            )
         return self.sites[name]
 
     # What a State asks for.
@@ -288,7 +296,6 @@ class Robot:
         """Pose of a site in the world."""
         frame = self._site(site)
         self._place(state)
-        # One call into Pinocchio instead of two.
         placement = self._kinematics.oMf[frame].homogeneous
         return Pose(placement[:3, :3], placement[:3, 3])
 

@@ -76,16 +76,18 @@ class State:
 
     def pose(self, site: str) -> Pose:
         """Pose of a site in the world."""
-        found = self._poses.get(site)
+        found = self._poses.get(site) if isinstance(site, str) else None
         if found is None:
-            found = self._poses[site] = self.robot.compute_pose(self, site)
+            found = self.robot.compute_pose(self, site)
+            self._poses[site] = found
         return found
 
     def jacobian(self, site: str) -> np.ndarray:
         """Jacobian (6, n) of a site: linear over angular velocity, world-aligned."""
-        found = self._jacobians.get(site)
+        found = self._jacobians.get(site) if isinstance(site, str) else None
         if found is None:
-            found = self._jacobians[site] = self.robot.compute_jacobian(self, site)
+            found = self.robot.compute_jacobian(self, site)
+            self._jacobians[site] = found
         return found
 
     def twist(self, site: str) -> np.ndarray:

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import mujoco
 import numpy as np
 
+from tpsim.border import Point, Range, border, checked
 from tpsim.errors import SimulationError, one_line
 from tpsim.robot.robot import Robot
 from tpsim.scene.parts import camera as add_camera
@@ -14,8 +16,6 @@ from tpsim.world.world import World
 
 PAINTS = ((0.10, 0.33, 0.40), (0.72, 0.42, 0.08), (0.24, 0.42, 0.20))
 """Colours of the objects: teal, ochre, moss."""
-
-Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,9 @@ class Held:
     position: Point = (0.0, 0.0, 0.0)
     axes: tuple[Point, Point] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
+    def __post_init__(self) -> None:
+        checked(self)
+
 
 @dataclass(frozen=True)
 class Placed:
@@ -58,6 +61,9 @@ class Placed:
     position: Point = (0.0, 0.0, 0.0)
     paint: Point | None = None
 
+    def __post_init__(self) -> None:
+        checked(self)
+
 
 @dataclass(frozen=True)
 class Camera:
@@ -73,9 +79,13 @@ class Camera:
 
     position: Point
     target: Point
-    fovy: float = 32.0
+    fovy: Annotated[float, Range(above=0, below=180)] = 32.0
+
+    def __post_init__(self) -> None:
+        checked(self)
 
 
+@border
 def world(
     robot: Robot,
     *,

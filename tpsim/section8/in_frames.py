@@ -17,10 +17,10 @@ from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.retrieval.distribution import (
     TPTrajectoryDistribution,
     fit_tp_trajectory_distribution,
-    fuse_frames,
 )
 from tpsim.retrieval.fit_movement import fit_movement
 from tpsim.retrieval.fit_tp_gmr import fit_tp_gmr
+from tpsim.retrieval.fusion import fuse_frames
 from tpsim.retrieval.gmr import gmr
 from tpsim.retrieval.gp import SquaredExponential, fit_gp
 from tpsim.retrieval.kmp import KMP
@@ -189,4 +189,4 @@ def _seen(learned: Sequence[View], frames: Frames) -> tuple[tuple[View, ...], li
 
 
 def _fuse(local: Sequence[Gaussian], frames: Frames) -> Gaussian:
-    return fuse_frames(*_seen(local, frames))
+    return fuse_frames(local, frames)

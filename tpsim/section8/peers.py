@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
-from tpsim.retrieval.distribution import fuse_frames
+from tpsim.retrieval.fusion import fuse_frames
 from tpsim.section8.in_frames import BASIS, COMPONENTS
 from tpsim.section8.method import Anchor, Frames, Learned, times_of, views_of
+from tpsim.timeline import interpolate
 
 
 def gmr_library(demonstrations: list[Demonstration]) -> Learned:
@@ -34,8 +35,7 @@ def gmr_library(demonstrations: list[Demonstration]) -> Learned:
         local.append(Gaussian(np.array([m.mean for m in at]), np.array([m.covariance for m in at])))
 
     def retrieve(frames: Frames) -> Gaussian:
-        seen = [(v, f) for v, f in zip(local, frames, strict=True) if f is not None]
-        return fuse_frames([view for view, _ in seen], [frame for _, frame in seen])
+        return fuse_frames(local, frames)
 
     n = 1 + sum(view.shape[1] for view in views)
     return Learned(retrieve, COMPONENTS * (1 + n * (n + 3) // 2) - 1)
@@ -79,8 +79,7 @@ def dmp_library(demonstrations: list[Demonstration]) -> Learned:
     def retrieve(frames: Frames) -> NDArray:
         model.configure(start_y=start(frames).mean, goal_y=end(frames).mean)
         when, path = model.open_loop(run_t=float(times[-1]))
-        columns = [np.interp(times, when, column) for column in np.asarray(path).T]
-        return np.column_stack(columns)
+        return interpolate(when, np.asarray(path), times)
 
     return Learned(retrieve, D * BASIS)
 

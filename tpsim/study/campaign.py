@@ -10,6 +10,7 @@ from pathlib import Path
 
 from tqdm import tqdm  # type: ignore[import-untyped]
 
+from tpsim.border import Count, border
 from tpsim.errors import RenderingError
 from tpsim.film import rendering
 from tpsim.film.video import film as write_film
@@ -30,12 +31,13 @@ _LOST = "They ended their worker process twice; no figure counts them."
 
 
 @one_thread()
+@border
 def run(
     study: Study,
     plan: Plan = Plan(),  # noqa: B008 - a frozen value
-    folder: Path | None = None,
+    folder: str | Path | None = None,
     *,
-    workers: int = 1,
+    workers: Count = 1,
     video: bool = True,
     progress: bool = False,
     command: str = "",
@@ -73,7 +75,8 @@ def run(
     figures.check(study)
     command = command or f"tpsim.lab.run(study, {plan!r})  # {task!r}"
     settings = {"plan": asdict(plan), "demonstrations": task.demonstrations}
-    opened = open_folder(study, command, settings, plan.seed, folder)
+    where = None if folder is None else Path(folder)
+    opened = open_folder(study, command, settings, plan.seed, where)
     with kept_or_removed(opened.folder):
         shown = teaching.taught_all(study, task.demonstrations, plan.seed, workers)
         taught = {behaviour: found.trials for behaviour, found in shown.items()}

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tpsim.errors import ArgumentError
+from tpsim.border import NotNegative, Point, Positive, Strength, checked
 from tpsim.task.task import Situation
 from tpsim.world.episode import BoundPerson
 from tpsim.world.people.guide import Grip, Guide, HandPath
@@ -38,22 +38,25 @@ class Lead:
     """
 
     site: str
-    origin: tuple[float, float, float]
-    travel: tuple[float, float, float]
-    start: float = 1.5
-    duration: float = 3.0
-    rest: float = 0.5
-    stiffness: float = 2000.0
-    max_force: float = 60.0
-    carried: tuple[tuple[float, float, float], ...] = ()
+    origin: Point
+    travel: Point
+    start: NotNegative = 1.5
+    duration: Positive = 3.0
+    rest: NotNegative = 0.5
+    stiffness: NotNegative = 2000.0
+    max_force: Strength = 60.0
+    carried: tuple[Point, ...] = ()
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     def bind(self, simulation: Simulation) -> BoundPerson:
         """Look up the names in one simulation."""
         damping = 2 * self.stiffness**0.5
         grip = Grip(self.stiffness, damping, 0.0, 0.0, self.max_force)
-        origin, travel = np.array(self.origin), np.array(self.travel)
-        path = straight(origin, travel, self.duration, self.rest, simulation.timestep)
+        path = straight(self.origin, self.travel, self.duration, self.rest, simulation.timestep)
         if self.carried:
+            origin = np.array(self.origin)
             path = _off(np.array(self.carried), path, origin, simulation.timestep)
         return Guide("lead", self.site, grip, path, start=self.start).bind(simulation)
 
@@ -99,12 +102,11 @@ class Condition:
     push: tuple[Push, ...] = ()
     lead: tuple[Lead, ...] = ()
     plant: Plant = NOMINAL
-    duration: float | None = None
+    duration: Positive | None = None
     shown: str | None = None
 
     def __post_init__(self) -> None:
-        if self.duration is not None and not 0 < self.duration < np.inf:
-            raise ArgumentError(f"duration is {self.duration} s; give a positive number")
+        checked(self)
 
     @property
     def people(self) -> tuple[Push | Lead, ...]:

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from tpsim.border import Endless, border, checked
 from tpsim.errors import ArgumentError
 from tpsim.robot.views.view import View
 from tpsim.study.metrics import push_interval
@@ -18,8 +20,11 @@ Figure = float | int | None
 """What came out of all trials; None where it could not be measured."""
 
 
-def rms(values: np.ndarray) -> float:
+@border
+def rms(values: ArrayLike) -> float:
     """Root of the mean square, in the unit of ``values``."""
+    if not np.size(values):
+        raise ArgumentError("values is empty; give at least one number")
     return float(np.sqrt(np.mean(np.square(values))))
 
 
@@ -82,22 +87,20 @@ class Measure:
     controller: str | None = "learned"
     reduce: Callable[[np.ndarray], float] = np.max
     across: Callable[[Sequence[float]], float] = max
-    window: tuple[float, float] | Literal["pushed"] | None = None
+    window: tuple[float, Endless] | Literal["pushed"] | None = None
     limit: float | None = None
     at_least: bool = False
     title: str = ""
 
     def __post_init__(self) -> None:
+        checked(self)
         window = self.window
-        if isinstance(window, str) and window != "pushed":
-            raise ArgumentError(
-                f"measure '{self.name}' has the window '{window}'; give (begin, end) or 'pushed'"
-            )
         if isinstance(window, tuple) and not window[0] < window[1]:
             raise ArgumentError(
                 f"measure '{self.name}' has the window {window}; give (begin, end) in seconds"
             )
 
+    @border
     def series(self, record: Record) -> Series | None:
         """What is measured of one trial, in ``unit``."""
         if self.of is None:
@@ -107,6 +110,7 @@ class Measure:
         value = np.linalg.norm(record.see(self.of), axis=-1)
         return value * self.of.scale(record.task.stage.robot, self.unit)
 
+    @border
     def figure(self, records: Records) -> Figure:
         """The figure over all trials; None where there are none."""
         if self.whole is not None:
@@ -114,6 +118,7 @@ class Measure:
         numbers = self.numbers(records)
         return float(self.across(numbers)) if numbers else None
 
+    @border
     def number(self, record: Record) -> float | None:
         """What one trial comes to, in ``unit``; None where it has nothing to say."""
         if self.name in record.numbers:
@@ -140,6 +145,7 @@ class Measure:
     def _window(self, record: Record) -> tuple[float, float] | None:
         return push_interval(record.trial) if self.window == "pushed" else self.window
 
+    @border
     def numbers(self, records: Records) -> list[float]:
         """What every trial that counts comes to, in ``unit``."""
         chosen = records.select(self.label, self.controller)
@@ -147,6 +153,7 @@ class Measure:
             chosen = records.select(self.otherwise, self.controller)
         return [n for record in chosen if (n := self.number(record)) is not None]
 
+    @border
     def result(self, value: Figure) -> "Result":
         """The figure with its limit."""
         return Result(

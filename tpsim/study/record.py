@@ -6,6 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from tpsim.border import border, checked
+from tpsim.checks import shown
+from tpsim.errors import ItemError
 from tpsim.robot.views.observe import observe
 from tpsim.robot.views.view import View
 from tpsim.study.condition import Condition
@@ -39,10 +42,14 @@ class Record:
     all: "Records" = field(repr=False)
     numbers: Mapping[str, float | None] = field(default_factory=dict, repr=False)
 
+    def __post_init__(self) -> None:
+        checked(self)
+
     def __getitem__(self, name: str) -> np.ndarray:
         """Return a signal of the trial."""
         return self.trial[name]
 
+    @border
     def see(self, view: View) -> np.ndarray:
         """Value (T, d) of a view along the trial; the latest are kept."""
         seen, key = self.all.seen, (id(self), view)
@@ -54,6 +61,7 @@ class Record:
         seen.move_to_end(key)
         return seen[key]
 
+    @border
     def beside(self, label: str = "unpushed", controller: str | None = None) -> "Record | None":
         """The record of another label in the same situation; of the same controller by default.
 
@@ -114,12 +122,14 @@ class Records(Sequence[Record]):
         Trials that are missing.
     """
 
+    @border
     def __init__(self, task: Task, models: Models, trials: Sequence[tuple[Condition, Trial]] = ()):
         self.task, self.models = task, models
         self.seen: OrderedDict[tuple[int, View], np.ndarray] = OrderedDict()
         self.lost: list[Lost] = []
         self._records = [Record(c, t, task, models, self) for c, t in trials]
 
+    @border
     def add(
         self, condition: Condition, trial: Trial, numbers: Mapping[str, float | None] | None = None
     ) -> Record:
@@ -130,7 +140,10 @@ class Records(Sequence[Record]):
 
     def __getitem__(self, index):  # type: ignore[no-untyped-def]
         """Return a record by its number."""
-        return self._records[index]
+        try:
+            return self._records[index]
+        except (IndexError, TypeError) as error:
+            raise ItemError(f"index is {shown(index)}; {error}") from None
 
     def __iter__(self) -> Iterator[Record]:
         """Iterate over the records."""
@@ -140,6 +153,7 @@ class Records(Sequence[Record]):
         """Return the number of records."""
         return len(self._records)
 
+    @border
     def select(
         self, label: str | Sequence[str] | None = None, controller: str | None = "learned"
     ) -> list[Record]:
@@ -152,6 +166,7 @@ class Records(Sequence[Record]):
             and (controller is None or record.condition.controller == controller)
         ]
 
+    @border
     def groups(self, texts: Mapping[str, str]) -> dict[str, list[Record]]:
         """The learned controller's records under each text, of those labels that have any."""
         found = {text: self.select(label) for label, text in texts.items()}

@@ -13,6 +13,8 @@ from types import ModuleType
 
 import cloudpickle
 
+from tpsim.border import border
+from tpsim.checks import shown
 from tpsim.errors import ArgumentError, TpsimError, one_line
 from tpsim.study.study import Study
 from tpsim.task.task import Task
@@ -21,6 +23,7 @@ NAME = "study"
 """Looked for where a reference names a file or module alone."""
 
 
+@border
 def load_study(reference: str, names: Mapping[str, str] | None = None) -> Study:
     """The study that a reference names.
 
@@ -65,7 +68,7 @@ def _unknown(reference: str, known: Mapping[str, str]) -> str:
     hint = f"did you mean {near[0]}? " if near else ""
     choices = f"one of {', '.join(known)}, " if known else ""
     return (
-        f"there is no study '{reference}'; {hint}give {choices}my_task.py:study or "
+        f"there is no study {shown(reference)}; {hint}give {choices}my_task.py:study or "
         "package.module:study"
     )
 

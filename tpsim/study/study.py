@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from tpsim.border import Number, SeedNumber, border, checked
 from tpsim.film.clip import Clip
 from tpsim.study.condition import Condition
 from tpsim.study.contest import Contest
@@ -40,11 +41,15 @@ class Plan:
         Situations that were never taught, and pushes in each.
     """
 
-    seed: int = 0
-    situations: int = 10
-    pushes: int = 6
+    seed: SeedNumber = 0
+    situations: Number = 10
+    pushes: Number = 6
 
-    def rng(self, *key: int) -> np.random.Generator:
+    def __post_init__(self) -> None:
+        checked(self)
+
+    @border
+    def rng(self, *key: Number) -> np.random.Generator:
         """Random numbers of their own for a part of the study."""
         return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=key))
 
@@ -66,6 +71,9 @@ class Lab:
     models: Models
     taught: Taught = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        checked(self)
+
     @property
     def task(self) -> Task:
         """The task."""
@@ -77,6 +85,7 @@ class Lab:
         return self.study.task.stage
 
 
+@border
 def pushes_all_round(force: float = 20.0, body: str | None = None) -> "ConditionsOf":
     """Conditions of a plain study: every situation unpushed, and pushed along x, y, z, -x, ...
 
@@ -159,6 +168,9 @@ class Study:
     show: Callable[[World, Condition, np.random.Generator], Lesson] | None = None
     contest: Contest | None = None
     reference: str = ""
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     @property
     def all_measures(self) -> tuple[Measure, ...]:

@@ -4,7 +4,9 @@ import warnings
 from typing import Unpack
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from tpsim.border import SeedNumber, border
 from tpsim.task.performance import Options, OwnController, Performance
 from tpsim.task.task import Task
 
@@ -70,7 +72,7 @@ class Movement(control.Task):
         low, high = self.performance.limits
         return specs.BoundedArray(low.shape, float, low, high, name=self.performance.action)
 
-    def before_step(self, action: object, physics: Physics) -> None:
+    def before_step(self, action: ArrayLike, physics: Physics) -> None:
         """Take the action (n,); what is beyond the limits is cut off."""
         self.performance.act(action)
 
@@ -95,6 +97,7 @@ class Environment(control.Environment):
     movement : Movement
     """
 
+    @border
     def __init__(self, movement: Movement):
         performance = movement.performance
         super().__init__(
@@ -111,7 +114,8 @@ class Environment(control.Environment):
         return specs.BoundedArray((), float, 0.0, 1.0, name="reward")
 
 
-def environment(task: Task, *, seed: int = 0, **options: Unpack[Options]) -> Environment:
+@border
+def environment(task: Task, *, seed: SeedNumber = 0, **options: Unpack[Options]) -> Environment:
     """Make a task an environment of dm_env (``dm_control.rl.control.Environment``).
 
     Episode i is situation i of the seed. The agent sees joints, sites, objects and the task's

@@ -5,6 +5,7 @@ from typing import Any, Unpack
 import mujoco
 import numpy as np
 
+from tpsim.border import SeedNumber, border
 from tpsim.errors import ArgumentError, RenderingError
 from tpsim.film.rendering import HINT
 from tpsim.task.performance import Options, Performance
@@ -39,8 +40,12 @@ class TaskEnvironment(gymnasium.Env[Observation, np.ndarray]):
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012
 
+    @border
     def __init__(
-        self, performance: Performance, seed: int | None = None, render_mode: str | None = None
+        self,
+        performance: Performance,
+        seed: SeedNumber | None = None,
+        render_mode: str | None = None,
     ):
         modes = (None, *self.metadata["render_modes"])
         if render_mode not in modes:
@@ -58,8 +63,9 @@ class TaskEnvironment(gymnasium.Env[Observation, np.ndarray]):
             }
         )
 
+    @border
     def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+        self, *, seed: SeedNumber | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin the next episode; a seed begins its situations anew."""
         super().reset(seed=seed)
@@ -111,10 +117,11 @@ class TaskEnvironment(gymnasium.Env[Observation, np.ndarray]):
             self._renderer = None
 
 
+@border
 def gym_environment(
     task: Task,
     *,
-    seed: int | None = None,
+    seed: SeedNumber | None = None,
     render_mode: str | None = None,
     **options: Unpack[Options],
 ) -> TaskEnvironment:

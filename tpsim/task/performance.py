@@ -9,7 +9,9 @@ from collections.abc import Sequence
 from typing import Literal, TypedDict
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from tpsim.border import Duration, NotNegative, Number, SeedNumber, border
 from tpsim.controllers.renewed import FixedImpedance
 from tpsim.errors import ArgumentError
 from tpsim.robot.state import State
@@ -71,20 +73,19 @@ class Performance:
         If a view asks for a site or an object that is not there.
     """
 
+    @border
     def __init__(
         self,
         task: Task,
         *,
         models: Models | None = None,
         action: Action = "torque",
-        duration: float | None = None,
-        control_timestep: float | None = None,
-        stiffness: float = 100.0,
+        duration: Duration | None = None,
+        control_timestep: Duration | None = None,
+        stiffness: NotNegative = 100.0,
         people: Sequence[Person] = (),
         plant: Plant = NOMINAL,
     ):
-        if action not in ACTIONS:
-            raise ArgumentError(f"action is {action!r}; choose one of {', '.join(ACTIONS)}")
         self.task, self.action, self._models = task, action, models
         self._people, self._plant = tuple(people), plant
         self.robot, self.simulation = task.stage.robot, task.stage.simulation(plant)
@@ -100,9 +101,6 @@ class Performance:
         h = self.simulation.timestep
         own = h * self._episode.control_steps
         self.period = own if control_timestep is None else float(control_timestep)
-        for name, value in (("duration", duration), ("control_timestep", self.period)):
-            if not (np.isfinite(value) and value > 0):
-                raise ArgumentError(f"{name} is {value} s; give a positive number")
         self.substeps = max(1, round(self.period / h))
         if abs(self.substeps * h - self.period) > 1e-9:
             raise ArgumentError(
@@ -111,7 +109,8 @@ class Performance:
             )
         self.actions = max(1, round(duration / self.period))
 
-    def begin(self, seed: int, index: int) -> None:
+    @border
+    def begin(self, seed: SeedNumber, index: Number) -> None:
         """Begin an episode: situation ``index`` of a seed."""
         self._situation = draw_situation(self.task, seed, index)
         self._start(self._situation)
@@ -138,14 +137,9 @@ class Performance:
             np.where(np.isfinite(robot.upper), robot.upper, near[1]),
         )
 
-    def act(self, action: object) -> None:
+    def act(self, action: ArrayLike) -> None:
         """Take the action (n,); what is beyond the limits of motors or joints is cut off."""
-        given = np.array(action, float)
-        if given.shape != (self.robot.n,) or not np.isfinite(given).all():
-            raise ArgumentError(
-                f"an action of shape {given.shape} was given; "
-                f"give {self.robot.n} finite numbers, one for each joint"
-            )
+        given = np.array(self.robot.posture("action", action))
         if self.action == "impedance":
             self._impedance.posture = np.clip(given, *self.limits)
         self._command = given

@@ -9,6 +9,8 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from tpsim.border import Endless, Number, Positive, SeedNumber, border, checked
+from tpsim.checks import instance
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.learning.low_pass import low_pass
@@ -50,11 +52,11 @@ class Situation:
 
     start: tuple[float, ...]
     objects: tuple[ObjectPath, ...] = ()
-    seed: int = 0
-    index: int = 0
+    seed: SeedNumber = 0
+    index: Number = 0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "start", tuple(np.asarray(self.start, float).tolist()))
+        checked(self)
 
 
 @dataclass(frozen=True)
@@ -71,13 +73,12 @@ class Goal:
     """
 
     view: View
-    within: float
+    within: Positive
     since: float = 0.0
-    until: float = np.inf
+    until: Endless = np.inf
 
     def __post_init__(self) -> None:
-        if not self.within > 0:
-            raise ArgumentError(f"goal within is {self.within}; it must be positive")
+        checked(self)
 
 
 @dataclass(frozen=True)
@@ -157,13 +158,14 @@ class Task(ABC):
 
     def outcome(self, trial: Trial) -> str:
         """How a trial ended, where a task can say more than ``trial.outcome``."""
-        return trial.outcome
+        return instance("trial", trial, Trial).outcome
 
     @cached_property
     def stage(self) -> World:
         """The task's world, made once."""
         return self.world()
 
+    @border
     def in_world(self, world: World) -> Self:
         """The same task in another world, such as that of a recording."""
         task = replace(self)  # type: ignore[type-var]  # subclasses are dataclasses
@@ -176,8 +178,20 @@ class Task(ABC):
         return {name: value for name, value in self.__dict__.items() if name != "stage"}
 
 
+def controller_of(task: Task, models: Models, situation: Situation) -> Controller:
+    """The task's own controller; an ArgumentError where a behaviour has no model."""
+    try:
+        return task.controller(task.stage, models, situation)
+    except KeyError as error:
+        missing = [name for name in task.behaviours() if name not in models]
+        if not missing or error.args[0] not in missing:
+            raise
+        raise ArgumentError(f"models hold no '{missing[0]}', only {list(models)}") from None
+
+
+@border
 def draw_situation(
-    task: Task, seed: int, index: int, draw: Callable[..., Situation] | None = None
+    task: Task, seed: SeedNumber, index: Number, draw: Callable[..., Situation] | None = None
 ) -> Situation:
     """Situation ``index`` of a seed: drawn until the robot can be put in it freely.
 
@@ -199,7 +213,7 @@ def draw_situation(
     simulation = world.simulation()
     for _ in range(DRAWS):
         try:
-            found = draw(world, rng)
+            found = instance("draw(world, rng)", draw(world, rng), Situation)
             start = np.array(found.start)
             simulation.reset(start)
         except SimulationError as error:

@@ -4,12 +4,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
+from tpsim.border import Count, Duration, SeedNumber, border
+from tpsim.checks import choice
 from tpsim.errors import ArgumentError
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.task.acceptance import refusal
 from tpsim.task.check import check
 from tpsim.task.relevance import with_relevance
-from tpsim.task.task import Models, Situation, Task, demonstration
+from tpsim.task.task import Models, Situation, Task, controller_of, demonstration
 from tpsim.world.episode import Person
 from tpsim.world.impedance import Controller
 from tpsim.world.plant import NOMINAL, Plant
@@ -25,10 +27,11 @@ Taught = Mapping[str, Sequence[Trial]]
 
 
 @one_thread()
+@border
 def teach(
     task: Task,
-    count: int | None = None,
-    seed: int = 0,
+    count: Count | None = None,
+    seed: SeedNumber = 0,
     behaviours: Sequence[str] | None = None,
     progress: Callable[[str, int, str], None] | None = None,
 ) -> dict[str, list[Trial]]:
@@ -68,7 +71,10 @@ def show_all(
     check(task)
     found = task.behaviours()
     taught = {}
-    for name in found if behaviours is None else behaviours:
+    wanted = list(found) if behaviours is None else behaviours
+    for name in wanted:
+        choice("behaviours", name, found)
+    for name in wanted:
         tell = None if progress is None else _telling(progress, name)
         shown = teach_lessons(
             task.stage,
@@ -89,6 +95,7 @@ def _telling(progress: Callable[[str, int, str], None], name: str) -> Callable[[
 
 
 @one_thread()
+@border
 def learn(task: Task, taught: Taught) -> dict[str, TPGMM]:
     """Learn every behaviour of a task from its demonstrations (Appendix A).
 
@@ -111,6 +118,7 @@ def learn(task: Task, taught: Taught) -> dict[str, TPGMM]:
 
 
 @one_thread()
+@border
 def perform(
     task: Task,
     models: Models,
@@ -118,7 +126,7 @@ def perform(
     *,
     controller: Controller | None = None,
     people: Sequence[Person] = (),
-    duration: float | None = None,
+    duration: Duration | None = None,
     plant: Plant = NOMINAL,
     tank: Tank | None = None,
 ) -> Trial:
@@ -141,7 +149,7 @@ def perform(
         What impedances may put into the robot; the robot's own by default.
     """
     if controller is None:
-        controller = task.controller(task.stage, models, situation)
+        controller = controller_of(task, models, situation)
     trial = rollout(
         task.stage,
         controller,

@@ -9,6 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
+from tpsim.border import Positive, border
 from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
@@ -55,7 +56,8 @@ class Impedance:
         damping = np.sqrt(2 * stiffness)
         return cls((modes * stiffness) @ modes.T, (modes * damping) @ modes.T, reference)
 
-    def weaker(self, factor: float) -> "Impedance":
+    @border
+    def weaker(self, factor: Positive) -> "Impedance":
         """The same with springs that pull less by a factor; dampers keep their strength."""
         return replace(self, stiffness=self.stiffness / factor)
 

@@ -4,11 +4,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tpsim import rotation
+from tpsim.border import border, read
+from tpsim.checks import finite_array, shown
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.objects import Objects
+from tpsim.timeline import around
 from tpsim.world.simulation import Simulation
 
 FAST = 2.0
@@ -45,10 +49,13 @@ class ObjectPath:
     times: tuple[float, ...] = (0.0,)
     quaternions: tuple[tuple[float, float, float, float], ...] | None = None
 
-    def __post_init__(self):
-        positions, times = np.asarray(self.positions, float), np.asarray(self.times, float)
-        turned = (UPRIGHT,) * times.size if self.quaternions is None else self.quaternions
-        turned = np.asarray(turned, float)
+    def __post_init__(self) -> None:
+        read("name", self.name, str)
+        label = f"object '{self.name}': "
+        positions = finite_array(f"{label}positions", self.positions)
+        times = finite_array(f"{label}times", self.times)
+        given = (UPRIGHT,) * times.size if self.quaternions is None else self.quaternions
+        turned = finite_array(f"{label}quaternions", given)
         count = times.size
         shapes = times.shape, positions.shape, turned.shape
         if not count or shapes != ((count,), (count, 3), (count, 4)):
@@ -56,20 +63,25 @@ class ObjectPath:
                 f"object '{self.name}' has times, positions and quaternions of shapes {shapes}; "
                 "give (V,), (V, 3) and (V, 4)"
             )
-        finite = all(np.isfinite(values).all() for values in (times, positions, turned))
-        if not finite or (np.diff(times) < 0).any() or not np.linalg.norm(turned, axis=1).all():
+        if (np.diff(times) < 0).any() or not np.linalg.norm(turned, axis=1).all():
             raise ArgumentError(
-                f"object '{self.name}' has a path that is not finite, a quaternion of zero, or "
-                f"times {times.tolist()} that decrease"
+                f"object '{self.name}' has quaternions of which one is zero, or "
+                f"times {shown(times)} that decrease"
             )
         object.__setattr__(self, "times", tuple(times.tolist()))
         object.__setattr__(self, "positions", tuple(map(tuple, positions.tolist())))
         object.__setattr__(self, "quaternions", tuple(map(tuple, turned.tolist())))
 
     @classmethod
-    def at(cls, name: str, position, quaternion=UPRIGHT) -> "ObjectPath":
+    @border
+    def at(cls, name: str, position: ArrayLike, quaternion: ArrayLike = UPRIGHT) -> "ObjectPath":
         """An object at rest."""
-        return cls(name, (tuple(position),), (0.0,), (tuple(quaternion),))
+        p, turned = finite_array("position", position), finite_array("quaternion", quaternion)
+        if p.shape != (3,) or turned.shape != (4,):
+            raise ArgumentError(
+                f"position has shape {p.shape} and quaternion {turned.shape}; give (3,) and (4,)"
+            )
+        return cls(name, (tuple(p.tolist()),), (0.0,), (tuple(turned.tolist()),))
 
     @property
     def first(self) -> Pose:
@@ -77,16 +89,13 @@ class ObjectPath:
         position, turned = self.poses([0.0])
         return Pose.of_quaternion(position[0], turned[0])
 
-    def poses(self, times) -> tuple[np.ndarray, np.ndarray]:
+    def poses(self, times: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Positions (T, 3) [m] and quaternions (T, 4) at times (T,) [s]."""
-        times = np.asarray(times, float)
-        # The last via at or before each time: of two vias at one time, the second counts.
-        before = np.searchsorted(self.times, times, side="right") - 1
-        before = np.clip(before, 0, len(self.times) - 1)
-        after = np.minimum(before + 1, len(self.times) - 1)
-        via, p = np.array(self.times), np.array(self.positions)
-        span = via[after] - via[before]
-        share = np.clip((times - via[before]) / np.where(span > 0, span, 1.0), 0.0, 1.0)[:, None]
+        times = finite_array("times", times)
+        if times.ndim != 1:
+            raise ArgumentError(f"times have shape {times.shape}; give (T,)")
+        before, after, share = around(np.array(self.times), times)
+        p, share = np.array(self.positions), share[:, None]
         turned = np.array(self.quaternions)
         turned = rotation.continuous(turned / np.linalg.norm(turned, axis=1, keepdims=True))
         return p[before] + share * (p[after] - p[before]), _slerp(

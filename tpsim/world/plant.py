@@ -5,12 +5,17 @@ from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Annotated
 
 import mujoco
 import numpy as np
 
+from tpsim.border import Duration, NotNegative, Range, SeedNumber, Share, border, checked
 from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
+
+LONGEST_DELAY = 10.0
+"""Latency [s] beyond which nothing is controlled any more."""
 
 
 @dataclass(frozen=True)
@@ -38,34 +43,24 @@ class Plant:
         Of the factors of the masses.
     """
 
-    mass: float = 0.0
-    payload: float = 0.0
-    friction: float = 0.0
-    latency: float = 0.0
-    encoder_bits: int | None = None
-    velocity_cutoff: float = 40.0
-    control_period: float | None = None
-    seed: int = 0
+    mass: Share = 0.0
+    payload: NotNegative = 0.0
+    friction: NotNegative = 0.0
+    latency: Annotated[float, Range(least=0, most=LONGEST_DELAY)] = 0.0
+    encoder_bits: Annotated[int, Range(least=4, most=32)] | None = None
+    velocity_cutoff: Annotated[float, Range(above=0, endless=True)] = 40.0
+    control_period: Duration | None = None
+    seed: SeedNumber = 0
 
     def __post_init__(self) -> None:
-        for name in ("payload", "friction", "latency"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value >= 0):
-                raise ArgumentError(f"plant {name} is {value}; give a number of at least 0")
-        if not 0 <= self.mass < 1:
-            raise ArgumentError(f"plant mass is {self.mass}; give a share from 0 to below 1")
-        if not self.velocity_cutoff > 0:
-            raise ArgumentError(f"plant velocity_cutoff is {self.velocity_cutoff} Hz; give more")
-        if self.control_period is not None and not self.control_period > 0:
-            raise ArgumentError(f"plant control_period is {self.control_period} s; give more")
-        if self.encoder_bits is not None and not 4 <= self.encoder_bits <= 32:
-            raise ArgumentError(f"plant encoder_bits is {self.encoder_bits}; give 4 to 32")
+        checked(self)
 
     @property
     def is_nominal(self) -> bool:
         """Whether bodies and joints are those of the model."""
         return not (self.mass or self.payload or self.friction)
 
+    @border
     def model(self, nominal: mujoco.MjModel, robot: Robot) -> mujoco.MjModel:
         """Compiled scene with the plant's own masses and friction; the nominal one is not changed.
 

@@ -1,26 +1,30 @@
 """Inverse kinematics: postures that bring sites to poses, by mink, and that satisfy views."""
 
 from collections.abc import Mapping, Sequence
+from typing import Annotated
 
 import mink
 import numpy as np
 
-from tpsim.errors import SimulationError
+from tpsim.border import NotNegative, Positive, Range, border
+from tpsim.errors import ArgumentError, SimulationError
 from tpsim.pose import Pose
+from tpsim.robot.home import put
 from tpsim.robot.objects import NONE, Objects
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.view import View
 
 
+@border
 def reach(
     robot: Robot,
     targets: Mapping[str, Pose],
     *,
     start: np.ndarray | None = None,
     posture: np.ndarray | None = None,
-    margin: float = 0.05,
-    tolerance: tuple[float, float] = (2e-4, 1e-3),
-    iterations: int = 400,
+    margin: NotNegative = 0.05,
+    tolerance: tuple[Positive, Positive] = (2e-4, 1e-3),
+    iterations: Annotated[int, Range(least=1, most=1e5)] = 400,
 ) -> np.ndarray:
     """Joint angles (n,) at which sites have given poses, near a preferred posture.
 
@@ -44,11 +48,14 @@ def reach(
         If the poses cannot be reached.
     """
     model = robot.model
-    posture = robot.home if posture is None else np.asarray(posture, float)
+    posture = robot.home if posture is None else robot.posture("posture", posture)
+    start = robot.home if start is None else robot.posture("start", start)
+    if not targets:
+        raise ArgumentError("targets is empty; give the pose of at least one site")
+    targets = {site: pose.checked(f"targets[{site!r}]") for site, pose in targets.items()}
     full = model.qpos0.copy()
-    for joint, angle in robot.description.fixed.items():
-        full[model.joint(joint).qposadr[0]] = angle
-    full[robot.simulated.qpos] = robot.home if start is None else start
+    put(model, full, robot.description.fixed)
+    full[robot.simulated.qpos] = start
     configuration = mink.Configuration(model, full)
     tasks = []
     for site, (R, p) in targets.items():
@@ -64,7 +71,14 @@ def reach(
     for i in range(iterations):
         # The preferred posture shapes the way there and lets go at the end.
         prefer.set_cost(0.02 * 0.97**i)
-        velocity = mink.solve_ik(configuration, [*tasks, prefer], 0.05, "daqp", 1e-6, limits=limits)
+        try:
+            velocity = mink.solve_ik(
+                configuration, [*tasks, prefer], 0.05, "daqp", 1e-6, limits=limits
+            )
+        except mink.MinkError as error:
+            raise SimulationError(
+                f"no step towards the targets keeps a margin of {margin:g} from the limits: {error}"
+            ) from None
         configuration.integrate_inplace(velocity, 0.05)
         errors = [task.compute_error(configuration) for task in tasks]
         position = max(float(np.linalg.norm(error[:3])) for error in errors)
@@ -78,6 +92,7 @@ def reach(
     )
 
 
+@border
 def satisfy(
     robot: Robot, views: Sequence[View], start: np.ndarray, objects: Objects = NONE
 ) -> np.ndarray:
@@ -88,7 +103,9 @@ def satisfy(
     SimulationError
         If there is none within the joint limits.
     """
-    q = np.array(start, float)
+    q = robot.posture("start", start)
+    if not views:
+        raise ArgumentError("views is empty; give at least one")
     for _ in range(50):
         seen = [view(state) for state in [robot.at(q, objects=objects)] for view in views]
         y = np.concatenate([s.value for s in seen])

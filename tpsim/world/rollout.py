@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from tpsim.border import Duration, border
+from tpsim.checks import finite_array
 from tpsim.errors import ArgumentError
 from tpsim.world.episode import Episode, Person
 from tpsim.world.impedance import Controller, Drive
@@ -20,11 +22,12 @@ RECORD_PERIOD = 0.01
 
 
 @one_thread()
+@border
 def rollout(
     world: World,
     controller: Controller,
     start: Sequence[float] | np.ndarray,
-    duration: float,
+    duration: Duration,
     *,
     sites: Mapping[str, str] | None = None,
     people: Sequence[Person] = (),
@@ -65,13 +68,12 @@ def rollout(
     ArgumentError, SimulationError
         A duration that is not positive, a start posture or an object that does not fit.
     """
-    if not (np.isfinite(duration) and duration > 0):
-        raise ArgumentError(f"duration is {duration} s; give a positive number")
+    begin = finite_array("start", start)
     steps, stride = (max(1, round(t / world.timestep)) for t in (duration, RECORD_PERIOD))
     episode = Episode(world.simulation(plant), people, objects, plant)
     drive = Drive(world.robot, world.timestep * episode.control_steps, tank)
     log = Log(episode, world.robot.hands if sites is None else sites)
-    episode.reset(np.asarray(start, float))
+    episode.reset(begin)
     outcome, hold = "done", episode.control_steps
     command, wanted = None, np.zeros(world.robot.n)
     for step in range(steps):

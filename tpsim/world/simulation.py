@@ -3,7 +3,9 @@
 import mujoco
 import numpy as np
 
-from tpsim.errors import SimulationError
+from tpsim.checks import shown
+from tpsim.errors import ArgumentError, SimulationError
+from tpsim.robot.home import put
 from tpsim.robot.indices import as_slice
 from tpsim.robot.robot import Robot
 
@@ -53,19 +55,17 @@ class Simulation:
         SimulationError
             A posture of another shape, not finite, or outside the joint limits.
         """
-        q = np.asarray(q, float)
         robot = self.robot
-        if q.shape != (robot.n,) or not np.isfinite(q).all():
-            raise SimulationError(
-                f"a start posture of shape {q.shape} was given; give {robot.n} finite joint angles"
-            )
+        try:
+            q = robot.posture("q", q)
+        except ArgumentError as error:
+            raise SimulationError(f"the start posture {error}") from None
         outside = (q < robot.lower) | (q > robot.upper)
         if outside.any():
             names = [robot.joints[i] for i in np.flatnonzero(outside)]
-            raise SimulationError(f"the start posture is outside the limits of {names}")
+            raise SimulationError(f"the start posture q is outside the limits of {names}")
         mujoco.mj_resetData(self.model, self.data)
-        for joint, angle in robot.description.fixed.items():
-            self.data.qpos[self.model.joint(joint).qposadr[0]] = angle
+        put(self.model, self.data.qpos, robot.description.fixed)
         for actuator, control in robot.description.controls.items():
             self.data.ctrl[self.model.actuator(actuator).id] = control
         self.data.qpos[self._qpos] = q
@@ -91,6 +91,8 @@ class Simulation:
 
     def attachment(self, name: str) -> tuple[int, np.ndarray, np.ndarray]:
         """Body index of a body or site called ``name``, and its pose (R, p) in that body."""
+        if not isinstance(name, str):
+            raise ArgumentError(f"name is {shown(name)}; give that of a body or a site")
         index = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name)
         if index >= 0:
             return index, np.eye(3), np.zeros(3)
@@ -99,7 +101,8 @@ class Simulation:
             bodies = [self.model.body(b).name for b in range(1, self.model.nbody)]
             sites = [self.model.site(s).name for s in range(self.model.nsite)]
             raise SimulationError(
-                f"no body or site '{name}' in the scene; it has bodies {bodies} and sites {sites}"
+                f"no body or site {shown(name)} in the scene; it has bodies {bodies} "
+                f"and sites {sites}"
             )
         R = np.empty(9)
         mujoco.mju_quat2Mat(R, self.model.site_quat[site])

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tpsim.border import Duration, checked
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.robot.robot import Robot
 from tpsim.world.object_path import ObjectPath
@@ -90,9 +91,12 @@ class Lesson:
 
     start: np.ndarray
     guides: tuple[Guide, ...]
-    duration: float
+    duration: Duration
     held: tuple[str, ...] = ()
     objects: tuple[ObjectPath, ...] = ()
+
+    def __post_init__(self) -> None:
+        checked(self)
 
 
 def demonstrate(world: World, lesson: Lesson, sites: Mapping[str, str] | None = None) -> Trial:

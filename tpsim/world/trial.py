@@ -5,6 +5,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from tpsim.border import border, read
+from tpsim.checks import instance, shown
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 
@@ -58,11 +60,18 @@ class Trial:
     about: Mapping[str, object] = field(default_factory=dict)
     touched: str = ""
 
+    def __post_init__(self) -> None:
+        for name in ("outcome", "touched"):
+            read(name, getattr(self, name), str)
+        instance("channels", self.channels, Channels)
+        for name in ("arrays", "about"):
+            read(name, getattr(self, name), Mapping)
+
     def __getitem__(self, name: str) -> np.ndarray:
         """Return the signal called ``name``."""
-        if name not in self.arrays:
+        if not isinstance(name, str) or name not in self.arrays:
             raise ArgumentError(
-                f"the trial has no signal '{name}'; it has {', '.join(sorted(self.arrays))}"
+                f"the trial has no signal {shown(name)}; it has {', '.join(sorted(self.arrays))}"
             )
         return self.arrays[name]
 
@@ -71,6 +80,7 @@ class Trial:
         """Time (T,) [s]."""
         return self["time"]
 
+    @border
     def pose(self, name: str) -> Pose:
         """Poses (T,) of a recorded site or object in the world."""
         return Pose.of_quaternion(self[f"{name}_position"], self[f"{name}_quaternion"])
@@ -83,6 +93,7 @@ class Trial:
             for name in self.channels.objects
         }
 
+    @border
     def with_about(self, outcome: str | None = None, **about: object) -> "Trial":
         """The same trial, saying more about itself."""
         return replace(self, outcome=outcome or self.outcome, about={**self.about, **about})

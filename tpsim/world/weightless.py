@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from tpsim.border import NotNegative, border
+from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 
@@ -26,17 +28,20 @@ class Weightless:
         Where the held joints are held [rad]; home by default.
     """
 
+    @border
     def __init__(
         self,
         robot: Robot,
         *,
-        damping: float = DAMPING,
+        damping: NotNegative = DAMPING,
         held: tuple[str, ...] = (),
         posture: np.ndarray | None = None,
     ):
+        if unknown := [joint for joint in held if joint not in robot.joints]:
+            raise ArgumentError(f"held has no joint '{unknown[0]}'; the robot has {robot.joints}")
         self._held = np.array([joint in held for joint in robot.joints])
         self._any = bool(self._held.any())
-        self._posture = robot.home if posture is None else np.array(posture, float)
+        self._posture = robot.home if posture is None else robot.posture("posture", posture)
         self._damping = damping
 
     def command(self, state: State, time: float) -> np.ndarray:

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import mujoco
 
+from tpsim.border import border, checked
 from tpsim.errors import SimulationError
 from tpsim.robot.description import Description
 from tpsim.robot.robot import Robot
@@ -35,7 +36,11 @@ class World:
     description: Description
     assets: Mapping[str, bytes] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        checked(self)
+
     @classmethod
+    @border
     def compose(cls, robot: Robot, spec: mujoco.MjSpec | None = None) -> "World":
         """World of a robot and a scene that contains it, by default of the robot alone.
 
@@ -89,6 +94,7 @@ class World:
             if self.model.body_mocapid[body] >= 0
         )
 
+    @border
     def simulation(self, plant: Plant = NOMINAL) -> Simulation:
         """A new simulation of this world on a plant."""
         return Simulation(plant.model(self.model, self.robot), self.robot)

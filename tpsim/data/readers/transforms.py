@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from tpsim.data import orientation
+from tpsim.timeline import interpolate
 
 Track = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Stamps (T,) [ns], positions (T, 3) [m], quaternions (T, 4), w first."""
@@ -64,6 +65,6 @@ def _track(rows: list[tuple[int, list[float]]]) -> Track:
 def _at(track: Track, times: np.ndarray) -> tuple[np.ndarray, Rotation]:
     stamps, position, quaternion = track
     own, wanted = (stamps - times[0]) * 1e-9, (times - times[0]) * 1e-9
-    p = np.column_stack([np.interp(wanted, own, column) for column in position.T])
+    p = interpolate(own, position, wanted)
     turned = orientation.interpolated(own, quaternion, wanted)
     return p, Rotation.from_quat(turned, scalar_first=True)

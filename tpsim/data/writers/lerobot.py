@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tpsim.border import Positive, border
 from tpsim.data.foreign import extra
 from tpsim.data.signals import Item, Signals, signals_of
 from tpsim.data.writers.parquet import write_episodes, write_frames, write_tasks
@@ -24,11 +25,12 @@ _COUNTERS = {
 }
 
 
+@border
 def write_lerobot(
     path: str | Path,
     items: Sequence[Item] | Item,
     *,
-    fps: float | None = None,
+    fps: Positive | None = None,
     state: Sequence[str] | None = None,
     action: str | None = None,
     task: str = "movement",

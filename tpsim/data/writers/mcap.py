@@ -7,16 +7,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tpsim.border import border
 from tpsim.data.foreign import extra
 from tpsim.data.signals import Item, Signals, signals_of
 from tpsim.data.writers.foxglove import POSE_IN_FRAME, SAMPLES, pose_in_frame, stamp
 from tpsim.data.writers.poses import poses_of
+from tpsim.errors import ArgumentError
 from tpsim.whole import whole_file
 
 if TYPE_CHECKING:
     from mcap.writer import Writer
 
 
+LAST = 4e9
+"""Stamp [s] up to which seconds fit in 32 bits."""
+
+
+@border
 def write_mcap(path: str | Path, items: Sequence[Item] | Item, *, world: str = "world") -> Path:
     """Write demonstrations or trials to an MCAP file.
 
@@ -62,6 +69,8 @@ def write_mcap(path: str | Path, items: Sequence[Item] | Item, *, world: str = "
 def _write(
     writer: "Writer", schemas: Mapping[str, int], prefix: str, signals: Signals, world: str
 ) -> None:
+    if np.abs(signals.time).max() > LAST:
+        raise ArgumentError(f"items have stamps beyond {LAST:.0e} s, which MCAP cannot count in ns")
     nanoseconds = np.round((signals.time - min(signals.time[0], 0.0)) * 1e9).astype(np.int64)
     topics: dict[str, tuple[str, Iterator[dict[str, Any]]]] = {
         "samples": ("tpsim.Samples", _samples(signals, nanoseconds))

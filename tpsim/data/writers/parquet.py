@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from tpsim.errors import ArgumentError
+
 LARGEST = 100_000_000
 """Size of a data file beyond which the next episode goes to another [bytes]."""
 
@@ -95,9 +97,15 @@ def _type(about: Mapping[str, Any]) -> Any:
 def _column(values: np.ndarray, kind: Any) -> Any:
     import pyarrow
 
+    number = getattr(kind, "value_type", kind).to_pandas_dtype()
+    if number is np.float32 and values.size and np.abs(values).max() > np.finfo(number).max:
+        raise ArgumentError(
+            f"items reach {np.abs(values).max():.1e}, which the format's float32 cannot hold; "
+            "change their unit"
+        )
+    flat = pyarrow.array(values.ravel().astype(number))
     if not hasattr(kind, "list_size"):
-        return pyarrow.array(values.ravel().astype(kind.to_pandas_dtype()), kind)
-    flat = pyarrow.array(values.ravel().astype(kind.value_type.to_pandas_dtype()))
+        return flat.cast(kind)
     return pyarrow.FixedSizeListArray.from_arrays(flat, kind.list_size)
 
 

@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
+from tpsim.border import border
 from tpsim.data.foreign import extra
 from tpsim.data.signals import Item, signals_of
 from tpsim.whole import write_bytes
 
 
+@border
 def write_robomimic(
     path: str | Path,
     items: Sequence[Item] | Item,

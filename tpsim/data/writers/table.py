@@ -5,10 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
+from tpsim.border import border
 from tpsim.data.signals import Item, parts_of, signals_of
 from tpsim.whole import whole_file
 
 
+@border
 def write_csv(path: str | Path, items: Sequence[Item] | Item) -> Path:
     """Write demonstrations or trials to one CSV file.
 

@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
+from tpsim.border import checked
+from tpsim.checks import shown
+from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 from tpsim.robot.views.view import Seen, View
@@ -46,13 +49,21 @@ class Direction(View):
     axes: str
     reference: tuple[float, ...] | None = None
 
+    def __post_init__(self) -> None:
+        checked(self)
+        _check_axes(self.axes)
+        if self.reference is not None and len(self.reference) != 9:
+            raise ArgumentError(f"reference has {len(self.reference)} numbers; give 9, row by row")
+
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
         return tuple(f"towards {axis} [rad]" for axis in self.axes[1:])
 
     def towards(self, target: "Object") -> "Bearing":
         """Direction to an object, as the site sees it, Eq. (41)."""
-        return Bearing(self.site, target.name, self.axes)
+        if not isinstance(name := getattr(target, "name", None), str):
+            raise ArgumentError(f"target is {shown(target)}; give an Object")
+        return Bearing(self.site, name, self.axes)
 
     def see(self, state: State) -> Seen:
         """Value and Jacobian at a state."""
@@ -89,6 +100,10 @@ class Bearing(View):
     target: str
     axes: str
 
+    def __post_init__(self) -> None:
+        checked(self)
+        _check_axes(self.axes)
+
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
         return tuple(f"towards {axis} [rad]" for axis in self.axes[1:])
@@ -102,6 +117,14 @@ class Bearing(View):
         y, slope = _angles(views @ sight)
         slope = slope @ views
         return Seen(y, slope @ pin.skew(sight) @ J[3:] - slope @ J[:3], slope @ thing.velocity)
+
+
+def _check_axes(axes: str) -> None:
+    """Raise an ArgumentError unless these are two or three different axes."""
+    if not 2 <= len(axes) <= 3 or set(axes) - set(AXES) or len(set(axes)) < len(axes):
+        raise ArgumentError(
+            f"axes are {shown(axes)}; give two or three of x, y and z, such as 'zxy'"
+        )
 
 
 def _angles(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tpsim.border import Positive, checked
+from tpsim.checks import finite_array
 from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
@@ -23,6 +25,9 @@ class Joints(View):
     """
 
     names: str | tuple[str, ...] = ".*"
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
@@ -52,7 +57,9 @@ class Joints(View):
 
         See :class:`Spare`.
         """
-        start = None if origin is None else tuple(np.asarray(origin, float).tolist())
+        start = (
+            None if origin is None else tuple(finite_array("origin", origin).reshape(-1).tolist())
+        )
         return Spare(self.names, first, start, free, damping)
 
 
@@ -87,7 +94,10 @@ class Spare(View):
     first: tuple[View, ...]
     origin: tuple[float, ...] | None = None
     free: tuple[str, ...] = ()
-    damping: float = DAMPING
+    damping: Positive = DAMPING
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""

@@ -4,11 +4,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from tpsim.border import border
+from tpsim.errors import ArgumentError
 from tpsim.robot.objects import Objects
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.view import View
 
 
+@border
 def observe(
     robot: Robot,
     views: Sequence[View],
@@ -26,6 +29,14 @@ def observe(
     objects : mapping of str to (positions (T, 3), quaternions (T, 4)), optional
         Where objects are meanwhile [m].
     """
+    if q.ndim != 2 or q.shape[1] != robot.n:
+        raise ArgumentError(f"q has shape {q.shape}; give (T, {robot.n})")
+    for name, (positions, quaternions) in (objects or {}).items():
+        if positions.shape != (len(q), 3) or quaternions.shape != (len(q), 4):
+            raise ArgumentError(
+                f"objects[{name!r}] has positions of shape {positions.shape} and quaternions of "
+                f"{quaternions.shape}; give ({len(q)}, 3) and ({len(q)}, 4)"
+            )
     rows = {name: row for row, name in enumerate(objects or {})}
     places = list((objects or {}).values())
     values: list[list[np.ndarray]] = [[] for _ in views]

@@ -6,6 +6,8 @@ from typing import Literal
 import numpy as np
 import pinocchio as pin
 
+from tpsim.border import border, checked
+from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 from tpsim.robot.views.direction import AXES, Direction
@@ -27,6 +29,9 @@ class Object:
 
     name: str
 
+    def __post_init__(self) -> None:
+        checked(self)
+
 
 @dataclass(frozen=True)
 class Site:
@@ -41,6 +46,9 @@ class Site:
     """
 
     name: str
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     @property
     def pose(self) -> "SiteView":
@@ -57,6 +65,7 @@ class Site:
         """Rotation vector [rad] from the orientation at home, d = 3."""
         return SiteView(self.name, None, "orientation")
 
+    @border
     def axis(
         self, axis: Literal["x", "y", "z"], across: str = "", reference: np.ndarray | None = None
     ) -> Direction:
@@ -92,6 +101,9 @@ class Sight:
 
     site: Site
     base: Object | Site
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     @property
     def pose(self) -> "SiteView":
@@ -132,6 +144,9 @@ class SiteView(View):
     base: Object | Site | None
     part: Literal["pose", "position", "orientation"]
     reference: Rotation | None = None
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
@@ -211,4 +226,6 @@ _ROWS = {"position": slice(0, 3), "orientation": slice(3, 6), "pose": slice(0, 6
 
 def as_rotation(matrix: np.ndarray) -> Rotation:
     """Rotation matrix (3, 3) as a value."""
-    return tuple(np.asarray(matrix, float).reshape(9).tolist())
+    if matrix.shape != (3, 3):
+        raise ArgumentError(f"reference has shape {matrix.shape}; give a rotation (3, 3)")
+    return tuple(matrix.reshape(9).tolist())

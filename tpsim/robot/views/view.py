@@ -15,6 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg.lapack import dposv
 
+from tpsim.border import NotNegative, Positive, border, checked, read
+from tpsim.checks import finite_array, shown
 from tpsim.errors import ArgumentError
 from tpsim.robot.indices import as_slice
 from tpsim.robot.robot import Robot
@@ -22,6 +24,9 @@ from tpsim.robot.state import State
 
 DAMPING = 0.01
 """Singular value of a Jacobian below which its nullspace is no longer told apart [m/rad]."""
+
+MOST = 1000
+"""Dimensions in a part of a view, at most."""
 
 UNITS = {"mm": ("m", 1e3), "deg": ("rad", 180 / np.pi), "cm": ("m", 1e2)}
 """Units that people read, with the SI unit that they are made of and how many go into one."""
@@ -69,7 +74,10 @@ class View(ABC):
 
     def __call__(self, state: State) -> Seen:
         """Value (d,), Jacobian (d, n) and drift (d,) of the view at a state."""
-        known = state.seen.get(id(self))
+        try:
+            known = state.seen.get(id(self))
+        except AttributeError:
+            raise ArgumentError(f"state is {shown(state)}; give robot.at(q)") from None
         if known is None:
             # The view is kept with its answer, so that no other can take its identity.
             known = state.seen[id(self)] = (self, self.see(state))
@@ -98,11 +106,11 @@ class View(ABC):
             if rows.stop is None:
                 raise ArgumentError("say where the part of a view ends, as in view[:2]")
             rows = range(rows.start or 0, rows.stop, rows.step or 1)
-        return Part(self, (rows,) if isinstance(rows, int) else tuple(rows))
+        return Part(self, tuple(read("rows", rows, Sequence[int])))
 
     def minus(self, origin: Sequence[float] | np.ndarray) -> "Offset":
         """The view measured from an origin (d,)."""
-        return Offset(self, tuple(np.asarray(origin, float).tolist()))
+        return Offset(self, tuple(finite_array("origin", origin).reshape(-1).tolist()))
 
     def beneath(
         self, *first: "View", bend: float | None = None, damping: float = DAMPING
@@ -120,6 +128,7 @@ class View(ABC):
         """
         return Beneath(self, first, bend, damping)
 
+    @border
     def scale(self, robot: Robot, unit: str) -> float:
         """Factor from the view's SI unit to a unit that people read, such as ``"mm"``.
 
@@ -132,7 +141,7 @@ class View(ABC):
         labels = self.labels(robot)
         own = {match.group(1) for label in labels if (match := re.search(r"\[(.*)\]", label))}
         if own != {base}:
-            raise ArgumentError(f"unit '{unit}' does not fit a view in {sorted(own)}")
+            raise ArgumentError(f"unit {shown(unit)} does not fit a view in {sorted(own)}")
         return factor
 
 
@@ -148,6 +157,11 @@ class Part(View):
 
     whole: View
     indices: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        checked(self)
+        if not self.indices or len(self.indices) > MOST:
+            raise ArgumentError(f"indices are {shown(self.indices)}; give 1 to {MOST}")
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
@@ -183,6 +197,9 @@ class Offset(View):
 
     whole: View
     origin: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
@@ -232,8 +249,11 @@ class Beneath(View):
 
     second: View
     first: tuple[View, ...]
-    bend: float | None = None
-    damping: float = DAMPING
+    bend: NotNegative | None = None
+    damping: Positive = DAMPING
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""

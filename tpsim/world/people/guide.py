@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from tpsim.border import NotNegative, Strength, checked
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.state import State
@@ -29,6 +30,16 @@ class HandPath:
     rotation: np.ndarray
     velocity: np.ndarray
     angular_velocity: np.ndarray
+
+    def __post_init__(self) -> None:
+        checked(self)
+        steps = len(np.atleast_1d(self.position))
+        shapes = [array.shape for array in vars(self).values()]
+        if shapes != [(steps, 3), (steps, 3, 3), (steps, 3), (steps, 3)]:
+            raise ArgumentError(
+                f"position, rotation, velocity and angular_velocity have shapes {shapes}; give "
+                "(T, 3), (T, 3, 3), (T, 3) and (T, 3)"
+            )
 
     def __len__(self) -> int:
         return len(self.position)
@@ -59,17 +70,15 @@ class Grip:
         Strength [N], [Nm]: the wrench is scaled down to it.
     """
 
-    stiffness: float = 2000.0
-    damping: float = 120.0
-    angular_stiffness: float = 60.0
-    angular_damping: float = 2.5
-    max_force: float = 60.0
-    max_torque: float = 8.0
+    stiffness: NotNegative = 2000.0
+    damping: NotNegative = 120.0
+    angular_stiffness: NotNegative = 60.0
+    angular_damping: NotNegative = 2.5
+    max_force: Strength = 60.0
+    max_torque: Strength = 8.0
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if not np.isfinite(value) or value < 0:
-                raise ArgumentError(f"grip {name} is {value}; give a number of at least 0")
+        checked(self)
 
     def wrench(
         self, pose: Pose, twist: np.ndarray, wanted_pose: Pose, wanted_twist: np.ndarray
@@ -132,9 +141,12 @@ class Guide:
     grip: Grip
     path: HandPath
     relative_to: str | None = None
-    start: float = 0.0
+    start: NotNegative = 0.0
     sight: Sight | None = None
     care: Care = EVERYTHING
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     def bind(self, simulation: Simulation) -> "BoundGuide":
         """Look up the names in one simulation."""

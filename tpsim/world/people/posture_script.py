@@ -1,20 +1,24 @@
 """Scripted paths of hands that lead an arm through postures: a person who cares how it is bent."""
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tpsim import rotation
+from tpsim.border import Positive, border
+from tpsim.checks import finite_array, shown
 from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
 from tpsim.timeline import rest_to_rest
 from tpsim.world.people.care import Care
 from tpsim.world.people.guide import HandPath
-from tpsim.world.people.script import Variation, wandering
+from tpsim.world.people.script import Variation, steps_in, wandering
 
 FADE = 0.5
 """Time [s] over which a hand begins to wander."""
 
 
-def through(times, postures, timestep: float) -> np.ndarray:
+@border
+def through(times: ArrayLike, postures: ArrayLike, timestep: Positive) -> np.ndarray:
     """Postures (T, n) on the clock: minimum jerk from one via posture to the next, at rest in each.
 
     Parameters
@@ -27,24 +31,31 @@ def through(times, postures, timestep: float) -> np.ndarray:
     timestep : float
         Of the clock [s].
     """
-    times, postures = np.asarray(times, float), np.asarray(postures, float)
-    if times.shape != postures.shape[:1] or len(times) < 2 or not (np.diff(times) > 0).all():
+    times, postures = finite_array("times", times), finite_array("postures", postures)
+    if (
+        times.ndim != 1
+        or postures.ndim != 2
+        or times.shape != postures.shape[:1]
+        or len(times) < 2
+        or not (np.diff(times) > 0).all()
+    ):
         raise ArgumentError(
-            f"times {times.tolist()} do not fit postures of shape {postures.shape}; give at least "
+            f"times {shown(times)} do not fit postures of shape {postures.shape}; give at least "
             "two, increasing"
         )
-    clock = timestep * (1 + np.arange(round(times[-1] / timestep)))
+    clock = timestep * (1 + np.arange(steps_in("times", times[-1] - times[0], timestep)))
     segment = np.clip(np.searchsorted(times, clock) - 1, 0, len(times) - 2)
     s = (clock - times[segment]) / np.diff(times)[segment]
     way = rest_to_rest(s)
     return postures[segment] + way[:, None] * (postures[segment + 1] - postures[segment])
 
 
+@border
 def hand_path(
     robot: Robot,
     site: str,
     postures: np.ndarray,
-    timestep: float,
+    timestep: Positive,
     rng: np.random.Generator,
     variation: Variation,
     care: Care | None = None,
@@ -53,6 +64,8 @@ def hand_path(
 
     ``care`` says what matters and when, where attention makes the hand steadier.
     """
+    if postures.ndim != 2 or len(postures) < 2 or postures.shape[1] != robot.n:
+        raise ArgumentError(f"postures have shape {postures.shape}; give (T, {robot.n}), T >= 2")
     R, p, twist = [], [], []
     for q, dq in zip(postures, np.gradient(postures, timestep, axis=0), strict=True):
         state = robot.at(q, dq)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tpsim.errors import ArgumentError
+from tpsim.border import NotNegative, Point, checked
 from tpsim.robot.state import State
 from tpsim.world.simulation import Simulation
 
@@ -30,22 +30,15 @@ class Push:
     """
 
     body: str
-    force: tuple[float, float, float]
-    start: float = 2.0
-    duration: float = 2.0
-    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    torque: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    ramp: float = 0.05
+    force: Point
+    start: NotNegative = 2.0
+    duration: NotNegative = 2.0
+    point: Point = (0.0, 0.0, 0.0)
+    torque: Point = (0.0, 0.0, 0.0)
+    ramp: NotNegative = 0.05
 
     def __post_init__(self) -> None:
-        for name in ("force", "torque", "point"):
-            value = np.asarray(getattr(self, name), float)
-            if value.shape != (3,) or not np.isfinite(value).all():
-                raise ArgumentError(f"push {name} is {getattr(self, name)}; give three numbers")
-        for name, least in (("start", 0.0), ("duration", 0.0), ("ramp", 0.0)):
-            value = getattr(self, name)
-            if not np.isfinite(value) or value < least:
-                raise ArgumentError(f"push {name} is {value} s; give at least {least:g} s")
+        checked(self)
 
     def wrench(self, time: float) -> np.ndarray:
         """Force and torque (6,) at a time [s]."""

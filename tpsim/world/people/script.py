@@ -1,13 +1,30 @@
 """Scripted paths of a person's hand: minimum jerk through via poses, with human variation."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tpsim import rotation, timeline
+from tpsim.border import (
+    Duration,
+    Moment,
+    NotNegative,
+    Point,
+    Positive,
+    Range,
+    Share,
+    border,
+    checked,
+)
+from tpsim.checks import finite_array
 from tpsim.errors import ArgumentError
 from tpsim.world.people.care import Care
 from tpsim.world.people.guide import HandPath
+
+MOST = 10**7
+"""Time steps in the path of a hand, at most."""
 
 
 @dataclass(frozen=True)
@@ -35,36 +52,37 @@ class Variation:
         Factor on drift and speed noise where it matters; 1 for a hand equally steady everywhere.
     """
 
-    drift: float = 0.002
-    tremor: float = 0.0006
-    angular_drift: float = 0.01
-    angular_tremor: float = 0.003
-    drift_time: float = 0.7
-    tremor_time: float = 0.1
-    pace: float = 0.2
-    warp: float = 0.3
-    tremor_band: tuple[float, float] | None = None
-    speed_noise: float = 0.0
-    angular_speed_noise: float = 0.0
-    attention: float = 1.0
+    drift: NotNegative = 0.002
+    tremor: NotNegative = 0.0006
+    angular_drift: NotNegative = 0.01
+    angular_tremor: NotNegative = 0.003
+    drift_time: Positive = 0.7
+    tremor_time: Positive = 0.1
+    pace: Share = 0.2
+    warp: Share = 0.3
+    tremor_band: tuple[Positive, Positive] | None = None
+    speed_noise: NotNegative = 0.0
+    angular_speed_noise: NotNegative = 0.0
+    attention: Annotated[float, Range(least=0, most=1)] = 1.0
 
-    def __post_init__(self):
-        for name, value in vars(self).items():
-            if name == "tremor_band":
-                continue
-            if not np.isfinite(value) or value < 0:
-                raise ArgumentError(f"variation {name} is {value}; give a number of at least 0")
-        if self.pace >= 1 or self.warp >= 1:
-            raise ArgumentError("variation pace and warp must be below 1, or time runs backwards")
-        if self.attention > 1:
-            raise ArgumentError(f"variation attention is {self.attention}; give 1 at most")
-        if self.tremor_band is not None and not 0 < self.tremor_band[0] < self.tremor_band[1]:
+    def __post_init__(self) -> None:
+        checked(self)
+        if self.tremor_band is not None and not self.tremor_band[0] < self.tremor_band[1]:
             raise ArgumentError(
                 f"variation tremor_band is {self.tremor_band} Hz; give two rising frequencies"
             )
 
 
-def script(rotations, positions, seconds, timestep, rng, variation=None, care=None) -> HandPath:
+@border
+def script(
+    rotations: ArrayLike,
+    positions: ArrayLike,
+    seconds: Duration,
+    timestep: Positive,
+    rng: np.random.Generator,
+    variation: Variation | None = None,
+    care: Care | None = None,
+) -> HandPath:
     """Path of a hand through via poses, as a person would move.
 
     The intended movement is the minimum-jerk curve through all via poses (a quintic spline, at
@@ -88,18 +106,19 @@ def script(rotations, positions, seconds, timestep, rng, variation=None, care=No
     -------
     HandPath
     """
-    rotations, positions = np.asarray(rotations, float), np.asarray(positions, float)
+    rotations, positions = (
+        finite_array("rotations", rotations),
+        finite_array("positions", positions),
+    )
     variation = Variation() if variation is None else variation
-    if len(positions) < 2 or rotations.shape != (len(positions), 3, 3):
+    if positions.ndim != 2 or len(positions) < 2 or rotations.shape != (*positions.shape, 3):
         raise ArgumentError(
             f"via poses have shapes {rotations.shape} and {positions.shape}; "
             "give rotations (V, 3, 3) and positions (V, 3) with V of at least 2"
         )
-    if not seconds > 0:
-        raise ArgumentError(f"a script of {seconds} s was asked for; give a positive time")
     shares = 1 + variation.pace * rng.uniform(-1, 1, len(positions) - 1)
     via_times = np.concatenate([[0], np.cumsum(shares) / shares.sum()])
-    steps = round(seconds / timestep)
+    steps = steps_in("seconds", seconds, timestep)
     phase, rate = _warped_phase(steps, seconds, variation.warp * rng.uniform(-1, 1))
     turns = rotation.log(rotations @ rotations[0].T)
     curve = minimum_jerk(via_times, np.hstack([positions, turns]))
@@ -115,6 +134,16 @@ def script(rotations, positions, seconds, timestep, rng, variation=None, care=No
         twist[:, :3],
         twist[:, 3:],
     )
+
+
+def steps_in(name: str, seconds: float, timestep: float, least: int = 1) -> int:
+    """Time steps in a time [s], as many as memory has room for."""
+    steps = seconds / timestep
+    if not least <= round(min(steps, MOST)) < MOST:
+        raise ArgumentError(
+            f"{name} is {seconds:g} s in steps of {timestep:g} s; give {least} to {MOST - 1} steps"
+        )
+    return round(steps)
 
 
 def minimum_jerk(times, points):
@@ -205,19 +234,21 @@ def _tremor(rng, steps, timestep, deviation, variation):
     return deviation / np.linalg.norm(sosfilt(band, impulse)) * noise
 
 
-def straight(origin, travel, seconds, rest, timestep) -> HandPath:
+@border
+def straight(
+    origin: Point, travel: Point, seconds: Duration, rest: Moment, timestep: Positive
+) -> HandPath:
     """Straight minimum-jerk path from a point (3,) by a displacement (3,), then at rest.
 
     The orientation is left to itself (identity): for hands that lead without turning.
     """
-    origin, travel = np.asarray(origin, float), np.asarray(travel, float)
-    steps, still = round(seconds / timestep), round(rest / timestep)
+    steps, still = steps_in("seconds", seconds, timestep), steps_in("rest", rest, timestep, 0)
     s = (np.arange(steps) + 1) / steps
     way = np.concatenate([timeline.rest_to_rest(s), np.ones(still)])
     speed = np.concatenate([30 * s**2 * (1 - s) ** 2 / seconds, np.zeros(still)])
     return HandPath(
-        origin + way[:, None] * travel,
+        np.array(origin) + way[:, None] * np.array(travel),
         np.broadcast_to(np.eye(3), (len(way), 3, 3)),
-        speed[:, None] * travel,
+        speed[:, None] * np.array(travel),
         np.zeros((len(way), 3)),
     )

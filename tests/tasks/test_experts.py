@@ -30,9 +30,11 @@ def test_every_task_has_its_experts_beside_fixed_gains(name):
     study = load_study(name, STUDIES)
     known = {"learned", "stiff", "soft", "cartesian", "osc", "computed"}
     assert known <= set(study.all_controllers)
-    assert set(study.performers) - set(study.all_controllers) == {
+    efforts = {
         f"learned, effort {share * study.task.effort:.3g}" for share in study.contest.efforts
     }
+    softer = {f"{name}, softer" for name, one in study.contest.experts.items() if one.softer}
+    assert set(study.performers) - set(study.all_controllers) == efforts | softer
 
 
 def test_shipped_gains_are_within_their_ranges_and_say_where_they_are_from():

@@ -127,6 +127,15 @@ class Contest:
     pushed: str = "contest pushed"
     led: str = "contest led"
 
+    @property
+    def softer(self) -> dict[str, Expert]:
+        """The experts at softer gains of their own fronts, as the learned at other efforts."""
+        return {
+            f"{name}, softer": replace(expert, gains=expert.softer, softer=None)
+            for name, expert in self.experts.items()
+            if expert.softer is not None
+        }
+
     def pushed_in(self, task: Task, situation: Situation, controller: str) -> Iterator[Condition]:
         """Conditions of one controller in one situation."""
         of = np.random.SeedSequence(situation.seed, spawn_key=(_PUSHES, situation.index))

@@ -184,9 +184,11 @@ class Study:
 
     @property
     def performers(self) -> Mapping[str, ControllerFactory]:
-        """All controllers, and the learned one at the other efforts of a contest."""
-        efforts = () if self.contest is None else self.contest.efforts
-        return {**self.all_controllers, **at_efforts(self.task, efforts)}
+        """All controllers, and in a contest those at other efforts and softer gains."""
+        if self.contest is None:
+            return self.all_controllers
+        efforts = at_efforts(self.task, self.contest.efforts)
+        return {**self.all_controllers, **self.contest.softer, **efforts}
 
     def with_task(self, **fields: object) -> "Study":
         """The same study of a task with other fields."""

@@ -216,7 +216,7 @@ def _search(
 ) -> dict[str, object]:
     """Both rounds of the search, and what is kept of them."""
     finer = max(1, round(FINER * trials))
-    ranges, tried = expert.ranges, []
+    ranges, tried = expert.ranges, list[Tried]()
     for count, wide in ((trials - finer, None), (finer, FINER)):
         if wide is not None:
             ranges = about(tried[_best(tried, asked)].gains, expert.ranges, wide)

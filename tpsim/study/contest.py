@@ -193,10 +193,7 @@ class Contest:
         found: dict[str, float | None] = {}
         for error in self.errors:
             numbers = [n for record in records if (n := error.number(record)) is not None]
-            largest = float(max(numbers)) if numbers else None
-            wide = (
-                float(np.percentile(numbers, 95)) if numbers and np.isfinite(largest) else largest
-            )
+            wide, largest = _p95_and_max(numbers) if numbers else (None, None)
             found[f"{error.name}_p95_{error.unit}"] = wide
             found[f"{error.name}_max_{error.unit}"] = largest
         moved = [self.moved(r) for r in records if all(map(self.counts, r.condition.push))]
@@ -228,6 +225,12 @@ class Contest:
             "lead_force_mean_N": float(np.mean(force)),
             "lead_way_mm": float(np.mean([way_led(record) for record in records])),
         }
+
+
+def _p95_and_max(numbers: Sequence[float]) -> tuple[float, float]:
+    """The 95th percentile, infinite with one that is, and the largest of some numbers."""
+    largest = max(numbers)
+    return (float(np.percentile(numbers, 95)) if np.isfinite(largest) else largest), largest
 
 
 def way_led(record: Record) -> float:

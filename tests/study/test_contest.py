@@ -199,7 +199,10 @@ def test_tuning_finds_the_least_error_that_yields_enough_and_repeats(study, toy)
     assert best == pytest.approx(errors[yields >= 5.0].min())
     tune(study, trials=6, workers=2)
     assert file.read_text() == first
-    assert tuned({"stiff hand": EXPERT}, file)["stiff hand"].gains == found["gains"]
+    again = tuned({"stiff hand": EXPERT}, file)["stiff hand"]
+    assert again.gains == found["gains"]
+    more = yields >= 1.25 * found["figures"]["displacement_mean_mm"]
+    assert again.softer == found["front"][int(np.argmax(more))]["gains"]
 
 
 def test_bad_asking_is_refused(study, toy, tmp_path):

@@ -30,15 +30,16 @@ def test_every_task_has_its_experts_beside_fixed_gains(name):
     study = load_study(name, STUDIES)
     known = {"learned", "stiff", "soft", "cartesian", "osc", "computed"}
     assert known <= set(study.all_controllers)
-    assert set(study.performers) - set(study.all_controllers) == {
-        f"learned, {name}" for name in study.contest.variants(study.task)
-    }
+    variants = {f"learned, {name}" for name in study.contest.variants(study.task)}
+    softer = {f"{name}, softer" for name, one in study.contest.experts.items() if one.softer}
+    assert set(study.performers) - set(study.all_controllers) == variants | softer
 
 
 def test_shipped_gains_are_within_their_ranges_and_say_where_they_are_from():
     files = {contest.gains for contest in CONTESTS.values()}
     shipped = set(Path(tpsim.tasks.__path__[0]).glob("*/gains*.json"))
-    assert files == shipped
+    # What is not tuned yet has the middle of its ranges, and the report says so.
+    assert shipped <= files
     for contest in CONTESTS.values():
         found = json.loads(contest.gains.read_text())["experts"]
         for name, expert in contest.experts.items():

@@ -134,6 +134,15 @@ class Contest:
     pushed: str = "contest pushed"
     led: str = "contest led"
 
+    @property
+    def softer(self) -> dict[str, Expert]:
+        """The experts at softer gains of their own fronts, as the learned at other efforts."""
+        return {
+            f"{name}, softer": replace(expert, gains=expert.softer, softer=None)
+            for name, expert in self.experts.items()
+            if expert.softer is not None
+        }
+
     def pushed_in(self, task: Task, situation: Situation, controller: str) -> Iterator[Condition]:
         """Conditions of one controller in one situation."""
         of = np.random.SeedSequence(situation.seed, spawn_key=(_PUSHES, situation.index))
@@ -191,10 +200,7 @@ class Contest:
         found: dict[str, float | None] = {}
         for error in self.errors:
             numbers = [n for record in records if (n := error.number(record)) is not None]
-            largest = float(max(numbers)) if numbers else None
-            wide = largest
-            if largest is not None and np.isfinite(largest):
-                wide = float(np.percentile(numbers, 95))
+            wide, largest = _p95_and_max(numbers) if numbers else (None, None)
             found[f"{error.name}_p95_{error.unit}"] = wide
             found[f"{error.name}_max_{error.unit}"] = largest
         counted = [r for r in records if all(map(self.counts, r.condition.push))]
@@ -232,6 +238,12 @@ class Contest:
             "lead_force_mean_N": float(np.mean(force)),
             "lead_way_mm": float(np.mean([way_led(record) for record in records])),
         }
+
+
+def _p95_and_max(numbers: Sequence[float]) -> tuple[float, float]:
+    """The 95th percentile, infinite with one that is, and the largest of some numbers."""
+    largest = max(numbers)
+    return (float(np.percentile(numbers, 95)) if np.isfinite(largest) else largest), largest
 
 
 def way_led(record: Record) -> float:

@@ -4,10 +4,12 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from tpsim.errors import ArgumentError, RecordingError
+from tpsim.study.pareto import least_that_yields
 from tpsim.task.task import Models, Situation
 from tpsim.world.impedance import Controller
 from tpsim.world.world import World
@@ -55,11 +57,14 @@ class Expert:
         ``make(world, situation, gains) -> Controller``.
     gains : mapping of str to float, optional
         As they were tuned; the middle of each range before.
+    softer : mapping of str to float, optional
+        Other gains on the front that tuning found, which yield ``SOFTER`` times as much.
     """
 
     ranges: Mapping[str, Range]
     make: Callable[[World, Situation, Gains], Controller]
     gains: Gains = field(default_factory=dict)
+    softer: Gains | None = None
 
     def __post_init__(self) -> None:
         if unknown := set(self.gains) - set(self.ranges):
@@ -73,6 +78,9 @@ class Expert:
         """Make the controller of one trial."""
         return self.make(world, situation, self.gains)
 
+
+SOFTER = 1.25
+"""How many times the yield of its tuned gains an expert is tried with, too, at least."""
 
 FIXED = {"stiff": 2000.0, "soft": 40.0}
 """Joint gains [1/s^2] of controllers that nobody tuned, to compare with."""
@@ -99,7 +107,7 @@ def tuned(experts: Mapping[str, Expert], file: Path) -> dict[str, Expert]:
     try:
         found = json.loads(file.read_text(encoding="utf-8"))["experts"]
         return {
-            name: replace(expert, gains=found[name]["gains"]) if name in found else expert
+            name: _with_gains(expert, found[name]) if name in found else expert
             for name, expert in experts.items()
         }
     except (ValueError, KeyError, TypeError) as error:
@@ -107,3 +115,12 @@ def tuned(experts: Mapping[str, Expert], file: Path) -> dict[str, Expert]:
         raise RecordingError(
             f"{file}: no gains of these experts ({reason}); write it anew with tpsim tune"
         ) from error
+
+
+def _with_gains(expert: Expert, found: Mapping[str, Any]) -> Expert:
+    """An expert with the gains that were found, and with the next softer ones on the front."""
+    front, moved = found["front"], found["figures"]["displacement_mean_mm"]
+    errors, yields = ([one[key] for one in front] for key in ("error", "yield_mm"))
+    k = least_that_yields(errors, yields, SOFTER * moved)
+    softer = front[k]["gains"] if yields[k] > moved else None
+    return replace(expert, gains=found["gains"], softer=softer)

@@ -196,8 +196,13 @@ def _experts(contest: Contest) -> str:
         )
         for name, expert in contest.experts.items()
     )
+    tuned = (
+        "were tuned by tpsim tune, on situations of other seeds, to the least error that goes with "
+        f"a yield of {contest.yielding:g} mm"
+    )
+    if contest.gains is None or not contest.gains.is_file():
+        tuned = "are the middle of their ranges: nobody has tuned them yet (tpsim tune)"
     return (
-        "The experts know the task and were told nothing of what was learned. Their gains were "
-        "tuned by tpsim tune, on situations of other seeds, to the least error that goes with a "
-        f"yield of {contest.yielding:g} mm: {gains}."
+        "The experts know the task and were told nothing of what was learned. Their gains "
+        f"{tuned}: {gains}."
     )

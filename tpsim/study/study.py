@@ -186,13 +186,14 @@ class Study:
 
     @property
     def performers(self) -> Mapping[str, ControllerFactory]:
-        """All controllers, and those of the variants of a contest."""
-        variants = {} if self.contest is None else self.contest.variants(self.task)
-        others = {
+        """All controllers, and in a contest softer experts and variants of the learned one."""
+        if self.contest is None:
+            return self.all_controllers
+        variants = {
             f"learned, {name}": task.in_world(self.task.stage).controller
-            for name, task in variants.items()
+            for name, task in self.contest.variants(self.task).items()
         }
-        return {**self.all_controllers, **others}
+        return {**self.all_controllers, **self.contest.softer, **variants}
 
     def with_task(self, **fields: object) -> "Study":
         """The same study of a task with other fields."""

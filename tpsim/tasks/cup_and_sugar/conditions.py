@@ -48,9 +48,17 @@ def _pushed(lab: Lab, twin: Record, plan: Plan) -> Iterator[Condition]:
         force = tuple((PUSH * DIRECTIONS[k % 6]).tolist())
         push = Push("left_gripper", force, start=onset)
         rest = resting(twin, onset)
-        for controller in lab.study.performers:
+        for controller in _performers(lab, situation):
             start = situation if controller == "learned" else rest
             yield Condition("pushed", start, controller, (push,))
+
+
+def _performers(lab: Lab, situation: Situation) -> list[str]:
+    """Who performs in a situation: the whole contest in the first ones, else those measured."""
+    contest = lab.study.contest
+    if contest is None or situation.index < contest.situations:
+        return list(lab.study.performers)
+    return [name for name in lab.study.all_controllers if name not in contest.experts]
 
 
 def resting(twin: Record, time: float) -> Situation:
@@ -78,6 +86,6 @@ def _led(lab: Lab, twin: Record, plan: Plan) -> Iterator[Condition]:
     rest = resting(twin, lead.start)
     k = int(np.searchsorted(twin.trial.time, lead.start))
     origin = tuple(twin["left_hand_position"][k].tolist())
-    for controller in lab.study.performers:
+    for controller in _performers(lab, situation):
         start = situation if controller == "learned" else rest
         yield Condition("led", start, controller, lead=(replace(lead, origin=origin),))

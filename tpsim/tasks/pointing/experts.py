@@ -63,9 +63,8 @@ def _osc(pointer: Pointer, world: World, situation: Situation, gains: Gains) -> 
 
 
 def _computed(pointer: Pointer, world: World, situation: Situation, gains: Gains) -> ComputedTorque:
-    way = InverseKinematics(
-        [Aim(view(pointer), CLOSING)], np.array(situation.start), world.robot.home
-    )
+    start = np.array(situation.start)
+    way = InverseKinematics([Aim(view(pointer), CLOSING)], start, world.robot.home)
     return ComputedTorque(way, gains["joints"], damping=gains["damping"])
 
 

@@ -7,7 +7,7 @@ import importlib
 import math
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -56,6 +56,8 @@ class Run(SeededCommand):
     plants: tuple[str, ...] = ()
     """Plants unlike the model on which the pushed trials are repeated, beside the nominal ones:
     names such as "friction 0.5 Nm", or all."""
+    quick: FlagCreatePairsOff[bool] = False
+    """At most two situations and three pushes, no experts beside, no film: a first look."""
     strict: FlagCreatePairsOff[bool] = False
     """Exit with 3 if a figure misses its limit."""
 
@@ -83,6 +85,9 @@ class Run(SeededCommand):
 
         study = with_plants(study, chosen(self.plants)) if self.plants else study
         plan, workers = Plan(self.seed, self.situations, self.pushes), self.workers or cores()
+        if self.quick:
+            study = replace(study, contest=None)
+            plan = replace(plan, situations=min(plan.situations, 2), pushes=min(plan.pushes, 3))
         if self.teachers > 1:
             return run_teachers(
                 study, plan, self.teachers, self.folder, workers=workers, command=line
@@ -92,7 +97,7 @@ class Run(SeededCommand):
             plan,
             folder=self.folder,
             workers=workers,
-            video=self.video,
+            video=self.video and not self.quick,
             progress=sys.stderr.isatty(),
             command=line,
         )

@@ -1,8 +1,10 @@
 """Small originals of all that tpsim reads; commands as processes: started, disturbed, looked at."""
 
+import json
 import os
 import random
 import re
+import select
 import signal
 import subprocess
 import sys
@@ -35,6 +37,64 @@ PROGRESS = re.compile(r"tpsim: (teaching|measuring|filming|\d+ trials)")
 CODES = {"SIGINT": 130, "SIGTERM": 143, "SIGHUP": 129, "SIGKILL": -signal.SIGKILL}
 
 
+FORKS = """
+import json, os, signal, sys
+import scipy.interpolate, scipy.signal
+import tpsim.lab, tpsim.cli.parse, tpsim.data.commands, tpsim.study.teaching, tpsim.study.trying
+from tpsim.cli.main import main
+for line in sys.stdin:
+    order = json.loads(line)
+    process = os.fork()
+    if not process:
+        os.chdir(order["folder"])
+        os.environ[order["name"]] = order["mark"]
+        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        for number, file in ((1, order["answer"]), (2, order["said"])):
+            os.dup2(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), number)
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        sys.argv = ["tpsim", *order["words"]]
+        sys.exit(main())
+    print(process, flush=True)
+    print(os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]), flush=True)
+"""
+
+
+class Forks:
+    """A process that has imported everything and forks commands: they start in no time."""
+
+    def __init__(self):
+        line = [sys.executable, "-c", FORKS]
+        self._server = subprocess.Popen(line, stdin=-1, stdout=-1, text=True, bufsize=1)
+
+    def start(self, **order):
+        """Fork a command; it answers as a Popen does."""
+        self.returncode = None
+        self._server.stdin.write(json.dumps(order) + "\n")
+        self.pid = int(self._server.stdout.readline())
+        return self
+
+    def poll(self):
+        """Exit code, None while it runs."""
+        if self.returncode is None and select.select([self._server.stdout], [], [], 0)[0]:
+            self.returncode = int(self._server.stdout.readline())
+        return self.returncode
+
+    def wait(self, seconds):
+        """Exit code."""
+        if select.select([self._server.stdout], [], [], seconds)[0]:
+            return self.poll()
+        raise TimeoutError(f"it runs after {seconds} s")
+
+    def send_signal(self, number):
+        """Signal the command."""
+        os.kill(self.pid, number)
+
+    def end(self):
+        """End the process that forks."""
+        self._server.stdin.close()
+        self._server.wait(30)
+
+
 class Command:
     """One command line in a process of its own; what it starts is known by its environment.
 
@@ -43,18 +103,25 @@ class Command:
     words : list of str
     folder : Path
         Current folder of the process.
+    forks : Forks, optional
+        Who starts it; by default Python starts afresh.
     """
 
-    def __init__(self, words, folder, **environment):
+    def __init__(self, words, folder, forks=None):
         self.mark = uuid.uuid4().hex
         self._said = folder / f".said-{self.mark}"
+        if forks is not None:
+            files = {"said": str(self._said), "answer": str(folder / ".answer")}
+            about = {"words": words, "folder": str(folder), "name": MARK, "mark": self.mark}
+            self.process = forks.start(**about, **files)
+            return
         # Shells start what runs in the background deaf to SIGINT.
         deaf = signal.signal(signal.SIGINT, signal.default_int_handler)
         with self._said.open("wb") as said, (folder / ".answer").open("wb") as answer:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", "tpsim", *words],
                 cwd=folder,
-                env={**os.environ, MARK: self.mark, **environment},
+                env={**os.environ, MARK: self.mark},
                 stdin=subprocess.DEVNULL,
                 stdout=answer,
                 stderr=said,
@@ -154,6 +221,14 @@ def taught(tmp_path_factory):
     command = Command(["teach", TOY, "--folder", "demonstrations"], folder)
     assert command.wait() == 0, command.lines
     return folder / "demonstrations"
+
+
+@pytest.fixture(scope="session")
+def forks():
+    """Starts commands in no time."""
+    forks = Forks()
+    yield forks
+    forks.end()
 
 
 @pytest.fixture

@@ -17,6 +17,9 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="it looks into /
 
 HOW = ("SIGINT", "SIGINT again", "SIGTERM", "SIGHUP", "SIGKILL")
 KILLS = int(os.environ.get("TPSIM_KILLS", "200"))
+AFRESH = 5
+"""One command in so many starts Python afresh; the others are forked with all imported."""
+
 AGAIN = 8
 """After every so many signals the command is done again, undisturbed, and compared."""
 
@@ -46,28 +49,32 @@ def undisturbed(lines, tmp_path_factory):
     """Contents and duration of every command, in one process and left alone; made when asked."""
     known = {}
 
-    def of(name, torture):
-        if name not in known:
+    def of(name, torture, forks=None):
+        """Contents of one in one process; duration of one that is started in the same way."""
+        if (name, forks) not in known:
             folder = tmp_path_factory.mktemp("undisturbed")
             serial = lines["run alone" if name == "run" else name]
             began = time.monotonic()
-            command = torture.Command(serial, folder)
+            command = torture.Command(serial, folder, forks)
             assert command.wait() == 0, command.lines
-            known[name] = torture.contents(folder / "OUT"), time.monotonic() - began
-            assert known[name][0]
-        return known[name]
+            # With workers it takes longer: they start afresh.
+            took = (time.monotonic() - began) * (2 if name == "run" else 1)
+            known[name, forks] = torture.contents(folder / "OUT"), took
+            assert known[name, forks][0]
+        return known[name, forks]
 
     return of
 
 
-def strike(torture, lines, undisturbed, name, how, rng, folder):
+def strike(torture, lines, undisturbed, name, how, rng, folder, forks=None):
     """Disturb a command once and look at what it leaves; return whether it was reached."""
-    wanted, duration = undisturbed(name, torture)
+    wanted, duration = undisturbed(name, torture, forks)
     out = folder / "OUT"
     shutil.rmtree(out, ignore_errors=True)
-    command = torture.Command(lines[name], folder)
+    command = torture.Command(lines[name], folder, forks)
     # Python itself needs a moment until it can listen.
-    reached = torture.disturb(command, how, rng.uniform(0.15, 1.1 * duration), rng)
+    first = 0.15 if forks is None else 0.02
+    reached = torture.disturb(command, how, rng.uniform(first, 1.1 * duration), rng)
     asked = time.monotonic()
     code = command.wait()
     took = time.monotonic() - asked
@@ -90,49 +97,52 @@ def strike(torture, lines, undisturbed, name, how, rng, folder):
     return reached and (code != 0 or how == "worker")
 
 
-def again(torture, lines, undisturbed, name, folder):
+def again(torture, lines, undisturbed, name, folder, forks):
     """The same command, undisturbed, into the same place where it is free."""
     out = folder / "OUT"
     if name in ("run", "run alone", "reproduce", "push") and out.exists():
         # A run is never overwritten: it says so in a line, and starts in another folder.
-        command = torture.Command(lines[name], folder)
+        command = torture.Command(lines[name], folder, forks)
         assert command.wait() == 1 and len(command.lines) == 1, command.lines
         shutil.rmtree(out)
-    command = torture.Command(lines[name], folder)
+    command = torture.Command(lines[name], folder, forks)
     code = command.wait()
     if name in ("teach", "learn") and code == 1:  # it was finished before the signal came
         assert "exist" in command.lines[0]
     else:
         assert code == 0, command.lines
-    assert torture.contents(out) == undisturbed(name, torture)[0]
+    assert torture.contents(out) == undisturbed(name, torture, forks)[0]
     assert not list(folder.rglob(".*.part*"))
 
 
 @pytest.mark.parametrize(("name", "how"), [("run", "worker"), ("teach", "SIGKILL")])
-def test_a_sample(torture, lines, undisturbed, rng, tmp_path, name, how):
-    strike(torture, lines, undisturbed, name, how, rng, tmp_path)
+def test_a_sample(torture, lines, undisturbed, rng, tmp_path, forks, name, how):
+    strike(torture, lines, undisturbed, name, how, rng, tmp_path, forks)
     if how != "worker":
-        again(torture, lines, undisturbed, name, tmp_path)
+        again(torture, lines, undisturbed, name, tmp_path, forks)
 
 
 @pytest.mark.torture
-def test_signals_at_random_moments(torture, lines, undisturbed, rng, tmp_path, capsys):
+def test_signals_at_random_moments(torture, lines, undisturbed, rng, tmp_path, forks, capsys):
     names, reached, done = list(lines), {}, 0
     while done < KILLS:
-        name = rng.choice([*names, "run", "run"])
+        name = rng.choice([*names, "run"])
         how = rng.choice([*HOW, "worker"] if name == "run" else HOW)
-        if strike(torture, lines, undisturbed, name, how, rng, tmp_path):
+        # One in so many starts afresh: while Python imports, signals are heard as well.
+        given = None if rng.random() < 1 / AFRESH else forks
+        if strike(torture, lines, undisturbed, name, how, rng, tmp_path, given):
             done += 1
-            reached[name, how] = reached.get((name, how), 0) + 1
+            key = name, how, "afresh" if given is None else "forked"
+            reached[key] = reached.get(key, 0) + 1
             if done % AGAIN == 0 and how != "worker":
-                again(torture, lines, undisturbed, name, tmp_path)
-        if done % 5 == 0:
-            with capsys.disabled():
-                print(f"{done} of {KILLS}", flush=True)
+                again(torture, lines, undisturbed, name, tmp_path, forks)
+            if done % 10 == 0:
+                with capsys.disabled():
+                    print(f"{done} of {KILLS}", flush=True)
     with capsys.disabled():
         print("\nsignals that reached a command, by command and signal:")
-        for (name, how), count in sorted(reached.items()):
-            print(f"  {name:<10} {how:<13} {count}")
+        for (name, how, start), count in sorted(reached.items()):
+            print(f"  {name:<10} {how:<13} {start} {count}")
 
 
 @pytest.mark.torture

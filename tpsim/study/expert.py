@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tpsim.border import Positive, checked
 from tpsim.errors import ArgumentError, RecordingError
 from tpsim.task.task import Models, Situation
 from tpsim.world.impedance import Controller
@@ -26,12 +27,13 @@ class Range:
     unit : str
     """
 
-    low: float
-    high: float
+    low: Positive
+    high: Positive
     unit: str = ""
 
     def __post_init__(self) -> None:
-        if not 0 < self.low <= self.high < np.inf:
+        checked(self)
+        if self.low > self.high:
             raise ArgumentError(f"a range from {self.low} to {self.high}; give 0 < low <= high")
 
     @property
@@ -62,6 +64,7 @@ class Expert:
     gains: Gains = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        checked(self)
         if unknown := set(self.gains) - set(self.ranges):
             raise ArgumentError(
                 f"there is no gain {', '.join(sorted(unknown))}; there are {', '.join(self.ranges)}"

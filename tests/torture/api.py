@@ -38,8 +38,9 @@ FURTHER = {
 }
 """What public functions return, beside what the rooms name."""
 
-KINDS = ("Beneath", "Direction", "FiniteHorizon", "FixedImpedance", "Guide", "Joints", "Lead",
-         "MinimalIntervention", "Objects", "Offset", "Part", "Pursuit", "Push", "RenewedImpedance",
+KINDS = ("Beneath", "CartesianImpedance", "ComputedTorque", "Direction", "FiniteHorizon",
+         "FixedImpedance", "Guide", "Handover", "Joints", "Lead", "MinimalIntervention", "Objects",
+         "Offset", "OnPath", "OperationalSpace", "Part", "Pursuit", "Push", "RenewedImpedance",
          "Spare", "TimedIntervention", "View", "Weightless")  # fmt: skip
 """Views, controllers and people."""
 
@@ -60,18 +61,27 @@ INSIDE = {
         "a check, which takes the name under which a user knows the argument",
     ),
     **dict.fromkeys(
-        [f"lab.{kind}.{step}" for step in ("command", "labels", "product", "renew", "resolved",
+        [f"lab.{kind}.{step}" for step in ("command", "kinds", "labels", "product", "renew", "resolved",
          "rows", "see", "moving", "bind") for kind in KINDS],
         "its author writes it, the roll-out calls it at every time step",
     ),
     **dict.fromkeys(
         [f"lab.{name}" for name in ("Impedance", "Impedance.of_modes", "Objects", "Pose", "Robot",
-         "Robot.of", "Grip.wrench", "Push.wrench",
+         "Robot.of", "Grip.spends", "Grip.wrench", "Push.wrench",
+         "Care.at", "HandPath.seen_from", "InverseKinematics.__call__", "Motion", "Spring.matrix",
          "Robot.compute_bias", "Robot.compute_jacobian", "Robot.compute_mass",
          "Robot.compute_pose", "Seen", "Simulation", "Simulation.apply_wrench", "Simulation.step",
          "State")],
         "made or called at every time step: holds what it is given, unchecked",
     ),
+    **dict.fromkeys(
+        ["lab.Error.number", "lab.Expert.__call__",
+         *(f"lab.Contest.{step}" for step in ("conditions", "figures", "forces", "led_from",
+           "moved", "pushed_in", "standing"))],
+        "the campaign calls it, with records and situations of its own",
+    ),
+    "lab.pareto": "takes NaN and infinity for what could not be measured",
+    "lab.tune": "takes minutes; its arguments pass the border",
     **dict.fromkeys(
         ["Frame.trusted", "Gaussian.trusted", "GMM.trusted", "Regression.trusted"],
         "documented as the way around all checks",

@@ -7,8 +7,9 @@ import numpy as np
 from scipy.linalg import block_diag
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
+from tpsim.border import Count, Positive, border, checked
 from tpsim.controllers.renewed import RenewedImpedance
-from tpsim.controllers.seeking import Reference, gains, moving, positive, seek
+from tpsim.controllers.seeking import Reference, gains, moving, seek
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.robot.state import State
 from tpsim.robot.views.view import View
@@ -35,6 +36,9 @@ class Spring:
     view: View
     stiffness: float | Sequence[float] | np.ndarray
     reference: Reference | None = None
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     def matrix(self, size: int) -> np.ndarray:
         """Stiffness (d, d) of a view of d dimensions.
@@ -89,21 +93,21 @@ class CartesianImpedance(RenewedImpedance):
         Time steps for which an impedance lasts; the torque follows the state at each of them.
     """
 
+    @border
     def __init__(
         self,
         springs: Sequence[Spring],
         posture: np.ndarray,
         *,
-        posture_stiffness: float = 4.0,
-        damping: float = 1.0,
-        every: int = PERIOD,
+        posture_stiffness: Positive = 4.0,
+        damping: Positive = 1.0,
+        every: Count = PERIOD,
     ):
         super().__init__(every)
         if not springs:
             raise ArgumentError("no spring was given; give at least one")
         self.springs, self.posture = tuple(springs), np.array(posture, float)
-        self.posture_stiffness = positive("posture_stiffness", posture_stiffness)
-        self.damping = positive("damping", damping)
+        self.posture_stiffness, self.damping = posture_stiffness, damping
         self._stiffness: np.ndarray | None = None
 
     def renew(self, state: State, time: float) -> Impedance:

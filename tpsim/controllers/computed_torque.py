@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tpsim.border import Count, Positive, border
 from tpsim.controllers.operational_space import PERIOD, Aim, prioritised
 from tpsim.controllers.renewed import RenewedImpedance
-from tpsim.controllers.seeking import moving, positive
+from tpsim.controllers.seeking import moving
 from tpsim.errors import ArgumentError
 from tpsim.robot.state import State
 from tpsim.world.impedance import Impedance
@@ -53,16 +54,17 @@ class ComputedTorque(RenewedImpedance):
         Time steps for which a command lasts; the torque follows the state at each of them.
     """
 
+    @border
     def __init__(
         self,
         trajectory: Trajectory | np.ndarray,
-        gain: float,
+        gain: Positive,
         *,
-        damping: float = 1.0,
-        every: int = PERIOD,
+        damping: Positive = 1.0,
+        every: Count = PERIOD,
     ):
         super().__init__(every)
-        self.gain, self.damping = positive("gain", gain), positive("damping", damping)
+        self.gain, self.damping = gain, damping
         self.trajectory = trajectory if callable(trajectory) else staying(trajectory)
 
     def renew(self, state: State, time: float) -> Impedance:
@@ -99,19 +101,20 @@ class InverseKinematics:
         [1/s^2]
     """
 
+    @border
     def __init__(
         self,
         aims: Sequence[Aim],
         start: np.ndarray,
         posture: np.ndarray,
         *,
-        posture_gain: float = 4.0,
+        posture_gain: Positive = 4.0,
     ):
         if not aims:
             raise ArgumentError("no aim was given; give at least one")
         self.aims = tuple(aims)
         self._q, self._dq = np.array(start, float), np.zeros(np.shape(start))
-        self._posture = np.array(posture, float), positive("posture_gain", posture_gain), 1.0
+        self._posture = np.array(posture, float), posture_gain, 1.0
         self._time: float | None = None
 
     def __call__(self, state: State) -> Motion:

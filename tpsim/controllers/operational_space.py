@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
+from tpsim.border import Count, Positive, border, checked
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.controllers.seeking import Reference, gains, moving, positive, seek
 from tpsim.errors import ArgumentError
@@ -45,10 +46,10 @@ class Aim:
     view: View
     gain: float | Sequence[float] | np.ndarray
     reference: Reference | None = None
-    damping: float = 1.0
+    damping: Positive = 1.0
 
     def __post_init__(self) -> None:
-        positive("damping", self.damping)
+        checked(self)
         for gain in np.ravel(self.gain):
             positive("gain", gain)
 
@@ -145,21 +146,21 @@ class OperationalSpace(RenewedImpedance):
         Time steps for which an impedance lasts; the torque follows the state at each of them.
     """
 
+    @border
     def __init__(
         self,
         aims: Sequence[Aim],
         posture: np.ndarray,
         *,
-        posture_gain: float = 4.0,
-        damping: float = 1.0,
-        every: int = PERIOD,
+        posture_gain: Positive = 4.0,
+        damping: Positive = 1.0,
+        every: Count = PERIOD,
     ):
         super().__init__(every)
         if not aims:
             raise ArgumentError("no aim was given; give at least one")
         self.aims, self.posture = tuple(aims), np.array(posture, float)
-        self.posture_gain = positive("posture_gain", posture_gain)
-        self.damping = positive("damping", damping)
+        self.posture_gain, self.damping = posture_gain, damping
 
     def renew(self, state: State, time: float) -> Impedance:
         """The aims about a state."""

@@ -38,7 +38,6 @@ class TPGMM(Stored):
         Decides the number of free parameters.
     memory : Memory, optional
         Moments of short runs of the samples, for :func:`tpsim.learning.incremental.update_tp_gmm`.
-
     relevance : tuple of P Relevance
         Which directions matter (:mod:`~tpsim.learning.free_movement`); empty: all of them.
 

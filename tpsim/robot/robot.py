@@ -246,6 +246,7 @@ class Robot:
 
     def potential_energy(self, q: np.ndarray) -> float:
         """Energy [J] of gravity and of the joints' own springs at q (n,)."""
+        q = self.posture("q", q)
         energy = float(pin.computePotentialEnergy(self._pin, self._dynamics, q))
         if self._sprung:
             energy += 0.5 * float(self._springs @ (q - self._slack) ** 2)
@@ -263,9 +264,7 @@ class Robot:
 
     def _site(self, name: str) -> int:
         if not isinstance(name, str) or name not in self.sites:
-            raise SimulationError(
-                f"no site {shown(name)} on the robot; it has {sorted(self.sites)}"
-            )
+            raise SimulationError(f"no site {shown(name)} on the robot, only {sorted(self.sites)}")
         return self.sites[name]
 
     # What a State asks for.

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tpsim.border import Count, Duration, NotNegative, Positive, checked
 from tpsim.errors import ArgumentError
 from tpsim.study.condition import Condition, Lead
 from tpsim.study.expert import Expert
@@ -43,8 +44,11 @@ class Error:
     name: str
     of: Callable[[Record], np.ndarray | float | None]
     unit: str
-    scale: float
+    scale: Positive
     title: str = ""
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     def number(self, record: Record) -> float | None:
         """What one trial comes to; infinite where it diverged."""
@@ -122,10 +126,10 @@ class Contest:
     lead: Callable[[Task, Situation, np.random.Generator], Lead] | None = None
     experts: Mapping[str, Expert] = field(default_factory=dict)
     gains: Path | None = None
-    yielding: float = 0.0
-    duration: float | None = None
-    situations: int = 3
-    tuning_situations: int = 2
+    yielding: NotNegative = 0.0
+    duration: Duration | None = None
+    situations: Count = 3
+    tuning_situations: Count = 2
     twins: bool = True
     counts: Callable[[Push], bool] = lambda push: True
     variants: Callable[[Task], Mapping[str, Task]] = other_efforts
@@ -133,6 +137,9 @@ class Contest:
     rest: str = "contest"
     pushed: str = "contest pushed"
     led: str = "contest led"
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     @property
     def softer(self) -> dict[str, Expert]:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tpsim.border import Positive, checked
 from tpsim.errors import ArgumentError, RecordingError
 from tpsim.study.pareto import least_that_yields
 from tpsim.task.task import Models, Situation
@@ -28,12 +29,13 @@ class Range:
     unit : str
     """
 
-    low: float
-    high: float
+    low: Positive
+    high: Positive
     unit: str = ""
 
     def __post_init__(self) -> None:
-        if not 0 < self.low <= self.high < np.inf:
+        checked(self)
+        if self.low > self.high:
             raise ArgumentError(f"a range from {self.low} to {self.high}; give 0 < low <= high")
 
     @property
@@ -67,6 +69,7 @@ class Expert:
     softer: Gains | None = None
 
     def __post_init__(self) -> None:
+        checked(self)
         if unknown := set(self.gains) - set(self.ranges):
             raise ArgumentError(
                 f"there is no gain {', '.join(sorted(unknown))}; there are {', '.join(self.ranges)}"

@@ -20,6 +20,7 @@ import numpy as np
 from scipy.stats import qmc
 from tqdm import tqdm  # type: ignore[import-untyped]
 
+from tpsim.border import Count, SeedNumber, border
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.study.condition import Condition
 from tpsim.study.contest import Contest
@@ -68,13 +69,14 @@ class Tried:
         return self.figures["displacement_mean_mm"] or 0.0
 
 
+@border
 def tune(
     study: Study,
     *,
-    trials: int = 48,
-    seed: int = SEED,
+    trials: Count = 48,
+    seed: SeedNumber = SEED,
     file: Path | None = None,
-    workers: int = 1,
+    workers: Count = 1,
     only: Sequence[str] = (),
     command: str = "",
 ) -> Answer:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from tpsim.border import border, checked
 from tpsim.errors import SimulationError
 from tpsim.robot.state import State
 from tpsim.world.people.demonstrator import TeacherName
@@ -53,6 +54,10 @@ class Rehearsed:
 
     teacher: Teacher
 
+    def __post_init__(self) -> None:
+        checked(self)
+
+    @border
     def __call__(self, world: World, rng: np.random.Generator) -> Lesson:
         """Draw a lesson that goes well in rehearsal.
 

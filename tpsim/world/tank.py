@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from tpsim.border import Strength, border, checked
 from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
@@ -36,12 +37,11 @@ class Tank:
         default.
     """
 
-    initial: float
-    capacity: float | None = None
+    initial: Strength
+    capacity: Strength | None = None
 
     def __post_init__(self) -> None:
-        if not self.initial >= 0:
-            raise ArgumentError(f"tank initial is {self.initial} J; give a number of at least 0")
+        checked(self)
         if self.capacity is not None and not self.capacity >= self.initial:
             raise ArgumentError(
                 f"tank capacity is {self.capacity} J; give at least the initial {self.initial} J"
@@ -53,6 +53,7 @@ class Tank:
         return self.initial if self.capacity is None else self.capacity
 
     @classmethod
+    @border
     def of(cls, robot: Robot) -> "Tank":
         """The robot's own: the kinetic energy of all joints at their velocity limits, at home.
 

@@ -12,7 +12,7 @@ from tpsim.control.poses import SeenMovement
 from tpsim.robot.objects import Objects
 from tpsim.robot.views.direction import Direction
 from tpsim.robot.views.joints import Spare
-from tpsim.robot.views.sites import Sight
+from tpsim.robot.views.sites import Sight as SeenSite
 from tpsim.robot.views.view import Beneath, Offset, Part
 from tpsim.task.environment import Environment
 from tpsim.task.performance import Performance
@@ -104,6 +104,7 @@ def _robot(book: Book) -> None:
     add("lab.Robot.index", ROBOT.index, joints="sh.*")
     add("lab.Robot.index", ROBOT.index, joints=("elbow",))
     add("lab.Robot.span", ROBOT.span, joints="sh.*")
+    add("lab.Robot.potential_energy", ROBOT.potential_energy, q=START)
     add("lab.Robot.gravity_torque", ROBOT.gravity_torque, q=START)
     add("lab.Robot.is_comfortable", ROBOT.is_comfortable, q=START, margin=0.15, load=0.8)
     for method in ("jacobian", "pose", "twist"):
@@ -140,7 +141,18 @@ def _views(book: Book) -> None:
     add("lab.Site", lab.Site, name="tip")
     add("lab.Site.axis", TIP.axis, words=("axes",), axis="z", across="", reference=np.eye(3))
     add("lab.Site.seen_from", TIP.seen_from, base=MARK)
-    add("lab.Sight", Sight, site=TIP, base=MARK)
+    add("lab.Sight", SeenSite, site=TIP, base=MARK)
+    add(
+        "lab.Sight",
+        lab.Sight,
+        delay=0.2,
+        interval=0.3,
+        first=0.0,
+        gain=0.15,
+        smoothing=0.1,
+    )
+    add("lab.Handover", lab.Handover, first=VIEW, then=VIEW, start=0.1, end=0.3)
+    add("lab.OnPath", lab.OnPath, site="tip", path=len, free=("path",))
     add("lab.Direction", Direction, site="tip", axes="zxy", reference=None)
     add("lab.Direction.towards", TIP.axis("z").towards, target=MARK)
     add("lab.View.__call__", VIEW.__call__, state=STATE)
@@ -301,6 +313,8 @@ def _people(book: Book) -> None:
         path=PATH,
         relative_to=None,
         start=0.0,
+        sight=lab.Sight(),
+        care=lab.Care(),
     )
     add(
         "lab.Push",
@@ -337,6 +351,28 @@ def _people(book: Book) -> None:
         tremor_time=0.1,
         pace=0.2,
         warp=0.3,
+        tremor_band=(8.0, 12.0),
+        speed_noise=0.01,
+        angular_speed_noise=0.01,
+        attention=0.35,
+    )
+    add("lab.Care", lab.Care, position=np.ones(3), rotation=np.ones((4, 3)))
+    add(
+        "lab.Demonstrator",
+        lab.Demonstrator,
+        grip=lab.Grip(),
+        variation=lab.Variation(),
+        reaction=(0.1, 0.2),
+        looks="in turn",
+    )
+    add("lab.Demonstrator.sights", lab.HUMAN.sights, patient=("hands",), rng=0, hands=2)
+    add("lab.Rehearsed", lab.Rehearsed, teacher=TASK.lesson, free=("teacher",))
+    add(
+        "lab.Rehearsed.__call__",
+        lab.Rehearsed(TASK.lesson),
+        words=("teacher",),
+        world=WORLD,
+        rng=0,
     )
     add(
         "lab.script",
@@ -393,13 +429,53 @@ def _control(book: Book) -> None:
     add("lab.Impedance.weaker", lab.Impedance(np.eye(2), np.eye(2), START).weaker, factor=2.0)
     add("lab.Skill", lab.Skill, views=dict(SKILL.views), model=SKILL.model)
     prior = Gaussian(START, np.eye(2))
+    for strength in ({"effort": 0.05}, {"bandwidth": 10.0, "friction": 180.0}):
+        add(
+            "lab.MinimalIntervention",
+            lab.MinimalIntervention,
+            skills=[SKILL],
+            prior=prior,
+            every=16,
+            **strength,
+        )
+    add("lab.Spring", lab.Spring, view=VIEW, stiffness=[300.0, 200.0, 100.0], reference=np.ones(3))
     add(
-        "lab.MinimalIntervention",
-        lab.MinimalIntervention,
-        skills=[SKILL],
-        effort=0.05,
-        prior=prior,
-        every=16,
+        "lab.CartesianImpedance",
+        lab.CartesianImpedance,
+        words=("spring",),
+        springs=[lab.Spring(VIEW, 300.0)],
+        posture=START,
+        posture_stiffness=4.0,
+        damping=1.0,
+        every=8,
+    )
+    add("lab.Aim", lab.Aim, view=VIEW, gain=100.0, reference=np.ones(3), damping=1.0)
+    add(
+        "lab.OperationalSpace",
+        lab.OperationalSpace,
+        words=("aim",),
+        aims=[lab.Aim(VIEW, 100.0)],
+        posture=START,
+        posture_gain=4.0,
+        damping=1.0,
+        every=8,
+    )
+    add(
+        "lab.ComputedTorque",
+        lab.ComputedTorque,
+        trajectory=START,
+        gain=100.0,
+        damping=1.0,
+        every=8,
+    )
+    add(
+        "lab.InverseKinematics",
+        lab.InverseKinematics,
+        words=("aim",),
+        aims=[lab.Aim(VIEW, 100.0)],
+        start=START,
+        posture=START,
+        posture_gain=4.0,
     )
     add("lab.Pursuit", lab.Pursuit, skills=[SKILL], effort=0.05, every=25)
     add(
@@ -429,6 +505,8 @@ def _control(book: Book) -> None:
         effort=0.1,
         every=8,
     )
+    add("lab.Tank", lab.Tank, infinite=True, initial=1.0, capacity=2.0)
+    add("lab.Tank.of", lab.Tank.of, robot=ROBOT)
     add("lab.Weightless", lab.Weightless, robot=ROBOT, damping=0.5, held=("elbow",), posture=START)
 
 
@@ -567,9 +645,35 @@ def _studies(book: Book) -> None:
         title="Gap",
     )
     add("lab.Measure.figure", measure.figure, records=RECORDS)
+    add("lab.Measure.numbers", measure.numbers, records=RECORDS)
     add("lab.Measure.number", measure.number, record=RECORDS[0])
     add("lab.Measure.series", measure.series, record=RECORDS[0])
     add("lab.Measure.result", measure.result, value=1.0)
+    error = lab.Error("gap", len, "mm", 10.0)
+    add("lab.Error", lab.Error, name="gap", of=len, unit="mm", scale=10.0, title="Gap")
+    add("lab.Range", lab.Range, low=1.0, high=10.0, unit="N/m")
+    ranges = {"stiffness": lab.Range(1.0, 10.0)}
+    add("lab.Expert", lab.Expert, ranges=ranges, make=len, gains={"stiffness": 2.0})
+    add(
+        "lab.Contest",
+        lab.Contest,
+        errors=[error],
+        pushes=len,
+        lead=None,
+        experts={"mine": lab.Expert(ranges, len)},
+        gains=None,
+        yielding=10.0,
+        duration=1.0,
+        situations=3,
+        tuning_situations=2,
+        twins=True,
+        counts=len,
+        variants=len,
+        apart=True,
+        rest="rest",
+        pushed="pushed",
+        led="led",
+    )
     add("lab.rms", lab.rms, values=np.ones(3))
     add(
         "lab.Record",

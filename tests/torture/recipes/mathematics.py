@@ -164,6 +164,23 @@ def _values(book: Book) -> None:
 def _learning(book: Book) -> None:
     add = book.add
     few = {"tolerance": 1e-3, "max_iterations": 5}
+    add("low_pass", tp.low_pass, time=TIME, values=PATHS[0], cutoff=4.0, takes={"time": DATES})
+    add(
+        "effective_samples",
+        tp.effective_samples,
+        words=("sample",),
+        demonstrations=PATHS,
+        of="mean",
+    )
+    add("deviation_interval", tp.deviation_interval, infinite=True, samples=9.0, confidence=0.95)
+    add(
+        "demonstrations_wanted",
+        tp.demonstrations_wanted,
+        words=("sample",),
+        demonstrations=PATHS,
+        within=2.0,
+        confidence=0.95,
+    )
     add(
         "fit_gmm",
         tp.fit_gmm,

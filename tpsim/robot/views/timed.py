@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from tpsim.border import checked
+from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
@@ -33,6 +35,13 @@ class Handover(View):
     then: View
     start: float
     end: float
+
+    def __post_init__(self) -> None:
+        checked(self)
+        if not self.start < self.end:
+            raise ArgumentError(
+                f"handover from start {self.start:g} s to end {self.end:g} s; give start < end"
+            )
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
@@ -68,6 +77,9 @@ class OnPath(View):
 
     site: str
     path: Path
+
+    def __post_init__(self) -> None:
+        checked(self)
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""

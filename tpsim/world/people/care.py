@@ -5,6 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tpsim.border import checked
+from tpsim.errors import ArgumentError
+
 
 @dataclass(frozen=True, eq=False)
 class Care:
@@ -18,6 +21,13 @@ class Care:
 
     position: ArrayLike = (0.0, 0.0, 0.0)
     rotation: ArrayLike = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        checked(self)
+        for name in ("position", "rotation"):
+            shape = np.shape(getattr(self, name))
+            if shape[-1:] != (3,) or len(shape) > 2 or 0 in shape:
+                raise ArgumentError(f"care {name} has shape {shape}; give (3,) or (T, 3)")
 
     def at(self, step: int) -> np.ndarray:
         """How much position and rotation (6,) matter at a step of the path."""

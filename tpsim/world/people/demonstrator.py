@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from tpsim.border import Count, NotNegative, border, checked
 from tpsim.errors import ArgumentError
 from tpsim.world.people.guide import Grip
 from tpsim.world.people.script import Variation
@@ -42,17 +43,17 @@ class Demonstrator:
 
     grip: Grip = Grip()  # noqa: RUF009 - a frozen value
     variation: Variation = Variation()  # noqa: RUF009 - a frozen value
-    reaction: tuple[float, float] = (0.0, 0.0)
+    reaction: tuple[NotNegative, NotNegative] = (0.0, 0.0)
     looks: Literal["in turn", "together"] = "in turn"
 
     def __post_init__(self) -> None:
+        checked(self)
         low, high = self.reaction
-        if not 0 <= low <= high < 1:
+        if not low <= high < 1:
             raise ArgumentError(f"reaction is {self.reaction} s; give two rising times below 1 s")
-        if self.looks not in ("in turn", "together"):
-            raise ArgumentError(f"looks are {self.looks!r}; give 'in turn' or 'together'")
 
-    def sights(self, rng: np.random.Generator, hands: int = 1) -> tuple[Sight | None, ...]:
+    @border
+    def sights(self, rng: np.random.Generator, hands: Count = 1) -> tuple[Sight | None, ...]:
         """How this person sees ``hands`` hands of one lesson; None for one that needs no sight."""
         if not self.reaction[1]:
             return (None,) * hands

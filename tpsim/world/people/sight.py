@@ -2,11 +2,12 @@
 
 from collections import deque
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 import pinocchio as pin
 
-from tpsim.errors import ArgumentError
+from tpsim.border import Moment, Range, checked
 from tpsim.pose import Pose
 
 GIVES_UP = (0.05, 0.5)
@@ -41,19 +42,14 @@ class Sight:
         Times or a gain out of their range.
     """
 
-    delay: float = 0.2
-    interval: float = 0.3
-    first: float = 0.0
-    gain: float = 0.15
-    smoothing: float = 0.1
+    delay: Moment = 0.2
+    interval: Annotated[float, Range(least=0.05, most=1e6)] = 0.3
+    first: Moment = 0.0
+    gain: Annotated[float, Range(least=0, below=0.6)] = 0.15
+    smoothing: Moment = 0.1
 
     def __post_init__(self) -> None:
-        for name, least in (("delay", 0.0), ("interval", 0.05), ("first", 0.0), ("smoothing", 0.0)):
-            value = getattr(self, name)
-            if not np.isfinite(value) or value < least:
-                raise ArgumentError(f"sight {name} is {value} s; give at least {least:g} s")
-        if not 0 <= self.gain < 0.6:
-            raise ArgumentError(f"sight gain is {self.gain}; give at least 0 and below 0.6")
+        checked(self)
 
 
 Moving = tuple[Pose, np.ndarray]

@@ -121,7 +121,7 @@ def test_help_of_a_study_lists_the_fields_of_its_task(run, calls):
     code, out, _ = run("run cup-and-sugar --help")
     assert code == 0 and not calls
     shown = " ".join(out.replace("│", " ").split())
-    assert "--effort FLOAT Cost of acceleration [s^4/(kg m^2)]: the one number that" in shown
+    assert "--friction FLOAT What a person feels who leads a hand where it is free [Ns/m]." in shown
     assert "--situations INT" in shown
 
 

@@ -265,7 +265,7 @@ MEANS, PRECISIONS = np.zeros((5, 4)), np.tile(np.eye(4), (5, 1, 1))
         ({"effort": np.eye(3)}, "effort has shape"),
         ({"effort": 0.0, "precisions": 0 * PRECISIONS}, "undetermined"),
         ({"system": integrator(2)}, "continuous"),
-        ({"initial": np.zeros(3)}, "give 4 finite"),
+        ({"initial": np.zeros(3)}, "of 4 finite"),
         ({"initial": None, "precisions": 0 * PRECISIONS}, "free first state"),
     ],
 )

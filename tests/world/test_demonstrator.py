@@ -172,12 +172,12 @@ def test_what_an_arm_cannot_follow_is_not_shown(arm):
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: Sight(delay=-0.1), "sight delay is -0.1 s"),
+        (lambda: Sight(delay=-0.1), "sight delay is -0.1"),
         (lambda: Sight(gain=0.7), "below 0.6"),
         (lambda: Demonstrator(reaction=(0.2, 0.1)), "two rising times"),
         (lambda: Demonstrator(looks="never"), "'in turn' or 'together'"),
         (lambda: Variation(tremor_band=(12.0, 8.0)), "two rising frequencies"),
-        (lambda: Variation(attention=1.5), "give 1 at most"),
+        (lambda: Variation(attention=1.5), "give at most 1"),
     ],
 )
 def test_people_are_checked(make, words):

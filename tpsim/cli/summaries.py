@@ -12,6 +12,7 @@ SUMMARIES = {
     "replay": "Repeat a recorded run from its own folder and compare the recordings bit for bit.",
     "export": "Write what was learned as a policy that drives a real robot without a simulator.",
     "data": "Look at a file of recordings, or convert it into another format.",
+    "tune": "Tune the experts that a task is compared with, and write their gains.",
     "compare": "Measure the methods of the tutorial's Section 8, and yours, side by side.",
     "bench": "Measure speeds: learning, retrieval, control, simulation, or all of them.",
     "demo": "Run a row of the tutorial's Table 2, as numbers and a picture, or list them all.",

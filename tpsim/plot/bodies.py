@@ -30,8 +30,8 @@ def arm(
         Joint angles [rad].
     """
     postures = drawable("postures", np.atleast_2d(finite_array("postures", postures)))
-    if postures.ndim != 2 or postures.shape[1] != len(chain.lengths):
-        raise ArgumentError(f"postures have shape {postures.shape}; give (T, {len(chain.lengths)})")
+    if postures.ndim != 2 or postures.shape[1] != chain.size:
+        raise ArgumentError(f"postures have shape {postures.shape}; give (T, {chain.size})")
     for i, (q, shade) in enumerate(zip(postures, shades(colour, len(postures)), strict=True)):
         last = i + 1 == len(postures)
         axis.plot(

@@ -94,7 +94,8 @@ def yaw_spread(records: Records) -> float | None:
 def _spread(records: Records, of: Callable[[Record, int], np.ndarray]) -> float | None:
     found = []
     for record in records.select("unpushed"):
-        k = int(np.searchsorted(record.trial.time, MIDDLE))
+        time = record.trial.time
+        k = min(int(np.searchsorted(time, MIDDLE)), len(time) - 1)
         found.append(np.atleast_1d(of(record, k)))
     pairs = [float(np.linalg.norm(a - b)) for i, a in enumerate(found) for b in found[:i]]
     return mean(pairs) if pairs else None

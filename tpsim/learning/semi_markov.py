@@ -62,7 +62,8 @@ class SemiMarkovChain(Part):
 
     def __post_init__(self) -> None:
         instance("durations", self.durations, Gaussian)
-        number("least_variance", self.least_variance, least=0)
+        least = number("least_variance", self.least_variance, least=0)
+        object.__setattr__(self, "least_variance", least)
         object.__setattr__(self, "initial", checked_priors(self.initial, "initial"))
         rows = checked_transitions(self.transitions, len(self.initial))
         object.__setattr__(self, "transitions", rows)

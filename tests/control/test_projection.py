@@ -234,10 +234,10 @@ def test_reference_bimanual_tracking(priority):
     ("make", "message"),
     [
         (lambda: projection.joint(0), "at least one"),
-        (lambda: projection.absolute(J, Q[:3], X), "J_other has shape"),
+        (lambda: projection.absolute(J, Q[:3], X), "has shape"),
         (lambda: projection.absolute(J, Q, X[:1]), "x"),
         (lambda: projection.absolute(J * np.nan, Q, X), "NaN"),
-        (lambda: projection.nullspace_absolute(J, Q, J_OTHER[:, :3], X), "J_other has shape"),
+        (lambda: projection.nullspace_absolute(J, Q, J_OTHER[:, :3], X), "has shape"),
         (lambda: projection.relative(J, Q, X, A_OBJECT, B_OBJECT, clip=0.0), "clip"),
         (lambda: projection.absolute(J, Q, X, damping=-1.0), "damping"),
     ],

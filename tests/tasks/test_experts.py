@@ -41,6 +41,8 @@ def test_shipped_gains_are_within_their_ranges_and_say_where_they_are_from():
     # What is not tuned yet has the middle of its ranges, and the report says so.
     assert shipped <= files
     for contest in CONTESTS.values():
+        if contest.gains not in shipped:
+            continue
         found = json.loads(contest.gains.read_text())["experts"]
         for name, expert in contest.experts.items():
             about = found[name]

@@ -62,7 +62,8 @@ INSIDE = {
     ),
     **dict.fromkeys(
         [f"lab.{kind}.{step}" for step in ("command", "kinds", "labels", "product", "renew",
-         "resolved", "rows", "see", "moving", "bind") for kind in KINDS],
+         "resolved",
+         "rows", "see", "moving", "bind") for kind in KINDS],
         "its author writes it, the roll-out calls it at every time step",
     ),
     **dict.fromkeys(

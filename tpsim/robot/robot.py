@@ -33,9 +33,7 @@ _ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
 class Robot:
-    """A torque-controlled robot: one or more arms of hinges and slides.
-
-    Made by :meth:`from_mjcf` or :meth:`from_urdf`; immutable.
+    """A torque-controlled robot, immutable: arms of hinges and slides, from MJCF or URDF.
 
     Parameters
     ----------
@@ -46,9 +44,7 @@ class Robot:
     Attributes
     ----------
     joints : tuple of str
-        Arm joints, in the order of q (n,).
-    n : int
-        Their number.
+        Arm joints, in the order of q (n,); n is their number.
     hands : dict of str to str
         Site of each hand.
     lower, upper, velocity_limit, torque_limit : (n,)
@@ -247,10 +243,8 @@ class Robot:
     def potential_energy(self, q: np.ndarray) -> float:
         """Energy [J] of gravity and of the joints' own springs at q (n,)."""
         q = self.posture("q", q)
-        energy = float(pin.computePotentialEnergy(self._pin, self._dynamics, q))
-        if self._sprung:
-            energy += 0.5 * float(self._springs @ (q - self._slack) ** 2)
-        return energy
+        springs = 0.5 * float(self._springs @ (q - self._slack) ** 2) if self._sprung else 0.0
+        return springs + float(pin.computePotentialEnergy(self._pin, self._dynamics, q))
 
     def is_comfortable(self, q: np.ndarray, margin: float = 0.15, load: float = 0.8) -> bool:
         """Whether a posture q (n,) keeps off its limits by a margin [rad], with torque to spare.

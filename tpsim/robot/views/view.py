@@ -56,8 +56,7 @@ class Seen(NamedTuple):
 class View(ABC):
     """A quantity y (d,) of the robot and the objects around it; subclasses are frozen values.
 
-    Call it with a :class:`~tpsim.robot.state.State`. A state remembers what was seen of it, so
-    that a view that several others are made of is computed once.
+    Call it with a :class:`~tpsim.robot.state.State`, which remembers what was seen of it.
     """
 
     @abstractmethod
@@ -89,11 +88,11 @@ class View(ABC):
 
     def resolved(self, robot: Robot, compute: Callable[[Robot], np.ndarray]) -> np.ndarray:
         """What a view needs to know of a robot besides its state: computed once for each robot."""
-        known = self.__dict__.get("_known")
-        if known is None or known[0] is not robot:
+        robot_before, resolved = self.__dict__.get("_known", (None, np.zeros(0)))
+        if robot_before is not robot:
+            resolved = compute(robot)
             # Not a field of the value, so the frozen dataclass does not mind.
-            known = self.__dict__["_known"] = (robot, compute(robot))
-        resolved: np.ndarray = known[1]
+            self.__dict__["_known"] = (robot, resolved)
         return resolved
 
     def __getstate__(self) -> dict[str, object]:
@@ -102,9 +101,9 @@ class View(ABC):
 
     def __getitem__(self, rows: int | slice | Sequence[int]) -> "Part":
         """Some of the dimensions: ``view[:2]``, ``view[0]``, ``view[[0, 2]]``."""
+        if isinstance(rows, slice) and rows.stop is None:
+            raise ArgumentError("say where the part of a view ends, as in view[:2]")
         if isinstance(rows, slice):
-            if rows.stop is None:
-                raise ArgumentError("say where the part of a view ends, as in view[:2]")
             rows = range(rows.start or 0, rows.stop, rows.step or 1)
         return Part(self, tuple(read("rows", rows, Sequence[int])))
 

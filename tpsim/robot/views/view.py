@@ -1,8 +1,7 @@
 """What a view is: a quantity of robot and objects with its Jacobian.
 
-One definition serves learning (what a frame observes), control (what precision acts on, as
-``J^T W J``), reward, measures and plots. Around a state a view is an affine map from its
-coordinates to joint space, Eqs (39)-(44): ``q_hat = J^+ mu + q - J^+ y``.
+One definition serves learning, control (``J^T W J``), reward, measures and plots. Around a state a
+view is an affine map to joint space, Eqs (39)-(44): ``q_hat = J^+ mu + q - J^+ y``.
 """
 
 import re

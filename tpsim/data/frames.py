@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from tpsim import rotation
 from tpsim.border import border
@@ -19,9 +19,7 @@ from tpsim.frame import Frame
 
 
 @border
-def frames_from(
-    recording: Recording | Mapping[str, ArrayLike], columns: Columns
-) -> tuple[Frame, ...]:
+def frames_from(recording: Recording | Mapping[str, Any], columns: Columns) -> tuple[Frame, ...]:
     """Task parameters from the object poses that are recorded beside a movement.
 
     Parameters

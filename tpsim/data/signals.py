@@ -2,14 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 
-Item = Demonstration | Mapping[str, ArrayLike]
+Item = Demonstration | Mapping[str, Any]
 """A demonstration, or a trial: arrays (T, ...) by name, one of which is ``time``."""
 
 
@@ -117,7 +117,7 @@ def _has_own_views(demonstration: Demonstration) -> bool:
     )
 
 
-def _of_trial(trial: Mapping[str, ArrayLike], number: int) -> Signals:
+def _of_trial(trial: Mapping[str, Any], number: int) -> Signals:
     name = f"trial {number}"
     if "time" not in trial:
         raise ArgumentError(f"{name} has no array 'time'; it has {', '.join(map(str, trial))}")

@@ -22,6 +22,7 @@ from tpsim import (
     timeline,
 )
 from tpsim.errors import DataWarning
+from tpsim.timeline import around
 
 EVEN = np.linspace(0, 2, 201)
 LOSSY = EVEN[np.unique(np.r_[0:20, 20:201:6, 200])]
@@ -131,3 +132,11 @@ def test_retrieval_over_lossy_time_follows_the_movement():
     some = [one.with_time() for one in shown([LOSSY, LOSSY, LOSSY])]
     path = gmr(fit_tp_gmm(some, 6).adapt([some[0].frames[0]]), EVEN)
     np.testing.assert_allclose(path.mean, movement(EVEN) + 0.01, atol=0.03)
+
+
+def test_ends_are_held_and_jumps_are_jumps():
+    time = np.array([0.0, 1.0, 1.0, 3.0])
+    before, after, share = around(time, np.array([-1.0, 0.25, 1.0, 2.0, 3.0, 9.0]))
+    np.testing.assert_array_equal(before, [0, 0, 2, 2, 3, 3])
+    np.testing.assert_array_equal(after, [1, 1, 3, 3, 3, 3])
+    np.testing.assert_array_equal(share, [0.0, 0.25, 0.0, 0.5, 0.0, 1.0])

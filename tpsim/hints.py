@@ -108,24 +108,24 @@ def _union(args: tuple[object, ...]) -> Reader:
 def _either(name: str, value: object, readers: list[Reader], none: bool) -> object:
     if value is None and none:
         return None
-    *others, last = readers
-    complaints = []
-    for reader in others:
+    refusals = []
+    for read in readers:
         try:
-            return reader(name, value)
+            return read(name, value)
         except ArgumentError as error:
-            complaints.append(str(error).rpartition("; ")[2])
-    try:
-        return last(name, value)
-    except ArgumentError as error:
-        if not complaints:
-            raise
-        also = ", or ".join(dict.fromkeys(complaints))
-        raise ArgumentError(f"{error}; or {also}") from None
+            refusals.append(str(error))
+    # What speaks of a part of the value, or of allowed words where it is one, came nearest.
+    near = [words for words in refusals if words.startswith(f"{name}[")]
+    near += [words for words in refusals if isinstance(value, str) and "allowed: give" in words]
+    said = near[0] if near else refusals[-1]
+    others = [words.rpartition("; ")[2].removeprefix("or ") for words in refusals if words != said]
+    also = "".join(f"; or {words}" for words in dict.fromkeys(others) if not near)
+    raise ArgumentError(said + also)
 
 
 def _sequence(name: str, value: object, item: Reader, alone: object, form: type) -> object:
-    if isinstance(alone, type) and _fits(value, alone):
+    kinds = get_args(alone) if get_origin(alone) in (Union, types.UnionType) else (alone,)
+    if any(isinstance(kind, type) and _fits(value, kind) for kind in kinds):
         value = [value]
     return form(
         item(f"{name}[{i}]", one) for i, one in enumerate(checks.entries(name, value, tables=False))

@@ -149,7 +149,7 @@ def test_segments_at_times():
         (lambda d: trimmed(d, margin=-1), "margin is -1"),
         (lambda d: trimmed(seen(d.time, 0 * d.data)), "never moves"),
         (lambda d: smoothed(d, 0), "window is 0"),
-        (lambda d: smoothed(d, order=50), "order is too large"),
+        (lambda d: smoothed(d, order=50), "order 50 needs 52 samples"),
         (lambda d: resampled(d, 5, rate=3), "both given"),
         (lambda d: resampled(d, rate=0), "rate is 0"),
         (lambda d: aligned([]), "no demonstrations"),

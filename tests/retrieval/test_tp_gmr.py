@@ -186,3 +186,14 @@ def test_bad_arguments(change, words):
     options = {"frames": two_frames(), "inputs": TIMES} | change
     with pytest.raises(ArgumentError, match=words):
         tp_gmr(a_model(), **options)
+
+
+def test_frames_that_are_not_observed_say_nothing():
+    rng = np.random.default_rng(1)
+    views = [Gaussian(rng.normal(size=(4, 2)), np.eye(2) * s) for s in (0.5, 1.0, 2.0)]
+    frames = [Frame(rng.normal(size=(2, 2)), rng.normal(size=2)) for _ in views]
+    some = fuse_frames(views, [frames[0], None, frames[2]])
+    expected = fuse_frames([views[0], views[2]], [frames[0], frames[2]])
+    np.testing.assert_array_equal(some.mean, expected.mean)
+    with pytest.raises(ArgumentError, match="at least one that is not None"):
+        fuse_frames(views, [None] * 3)

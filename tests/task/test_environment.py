@@ -238,7 +238,7 @@ def test_a_view_of_a_site_that_is_not_there_is_said_at_once():
             (taught,) = super().behaviours().values()
             return {"wrong": Behaviour({"nose": Site("nose").pose}, taught.teacher)}
 
-    with pytest.raises(SimulationError, match="no site 'nose' on the robot; it has"):
+    with pytest.raises(SimulationError, match="no site 'nose' on the robot, only"):
         environment(Wrong())
 
 

@@ -18,7 +18,7 @@ from tpsim.learning.dtw import align
 Rate = Annotated[float, Range(above=0)]
 """[Hz]"""
 
-Order = Annotated[int, Range(least=0, most=20)]
+Order = Annotated[int, Range(least=0, most=100)]
 """Of polynomials."""
 
 

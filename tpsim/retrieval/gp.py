@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import solve_triangular
 
 from tpsim.archive import Stored
-from tpsim.checks import column_or_matrix, flag, frozen_array, instance, number
+from tpsim.checks import column_or_matrix, felt, flag, frozen_array, instance, number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import LOG_2PI, Gaussian, cholesky, floor_eigenvalues
 from tpsim.retrieval.gp_kernel import SquaredExponential, likeliest_kernel, spread_of
@@ -170,7 +170,8 @@ def fit_gp(
     ArgumentError
         Shapes that do not fit, values that are not finite, or inputs that repeat without noise.
     """
-    inputs, outputs = column_or_matrix("inputs", inputs), column_or_matrix("outputs", outputs)
+    inputs = felt("inputs", column_or_matrix("inputs", inputs))
+    outputs = felt("outputs", column_or_matrix("outputs", outputs))
     if len(inputs) != len(outputs):
         raise ArgumentError(
             f"inputs {inputs.shape} and outputs {outputs.shape} need the same, positive length"

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tpsim.archive import Stored
 from tpsim.border import Count, checked
-from tpsim.checks import choice, column_or_matrix, finite_array, matrix, number, several
+from tpsim.checks import choice, column_or_matrix, felt, finite_array, matrix, number, several
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian, floor_eigenvalues, symmetric
 from tpsim.learning.gmm import GMM
@@ -97,9 +97,9 @@ def fit_gp_gmm(
         Mixtures of different size, a singular covariance, or another number of tasks.
     """
     choice("encoding", encoding, ("logarithm", "entries"))
-    gmms, tasks = several("gmms", gmms, GMM), column_or_matrix("tasks", tasks)
+    gmms, tasks = several("gmms", gmms, GMM), felt("tasks", column_or_matrix("tasks", tasks))
     if len(tasks) != len(gmms):
-        raise ArgumentError(f"{len(tasks)} tasks and {len(gmms)} gmms were given; give one each")
+        raise ArgumentError(f"{len(tasks)} tasks and {len(gmms)} gmms need the same length")
     shapes = {gmm.gaussians.mean.shape for gmm in gmms}
     if len(shapes) != 1 or len(min(shapes)) != 2:
         raise ArgumentError(f"gmms have means of shapes {sorted(shapes)}; give one shape (K, D)")

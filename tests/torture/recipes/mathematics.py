@@ -492,6 +492,7 @@ def _hidden(book: Book) -> None:
     add(
         "SemiMarkovChain.of",
         tp.SemiMarkovChain.of,
+        words=("covariance",),
         components=3,
         topology="any",
         stay=4.0,
@@ -538,7 +539,13 @@ def _retrieval(book: Book) -> None:
         inputs=TIME,
         order="held",
     )
-    add("fuse_frames", tp.fuse_frames, words=("noise",), views=[SEVERAL, SEVERAL], frames=FRAMES)
+    add(
+        "fuse_frames",
+        tp.fuse_frames,
+        words=("noise", "frame"),
+        views=[SEVERAL, SEVERAL],
+        frames=FRAMES,
+    )
     add(
         "fit_tp_gmr",
         tp.fit_tp_gmr,

@@ -198,7 +198,7 @@ def test_bad_arguments():
         (lambda: fit_gp([np.nan], [0.0]), "NaN"),
         (lambda: gp(np.zeros((2, 3))), "1 columns"),
         (lambda: fit_gp_gmm(tasks, [*gmms[:2], GMM([1.0], gmms[0].gaussians[:1])]), "one shape"),
-        (lambda: fit_gp_gmm(tasks[:2], gmms), "one each"),
+        (lambda: fit_gp_gmm(tasks[:2], gmms), "length"),
         (lambda: fit_gp_gmm(tasks, gmms, encoding="square"), "allowed"),
     ):
         with pytest.raises(ArgumentError, match=message):

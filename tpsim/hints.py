@@ -205,7 +205,7 @@ def _fits(value: object, kind: type) -> bool:
         has = [callable(getattr(value, method, None)) for method in _methods(kind)]
     except Exception:  # whatever a foreign object raises
         return False
-    return not isinstance(value, type) and all(has)
+    return not isinstance(value, type) and bool(has) and all(has)
 
 
 def _methods(kind: type) -> list[str]:

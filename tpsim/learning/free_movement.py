@@ -21,7 +21,7 @@ from tpsim.gaussian import Gaussian
 
 SPREAD = float(np.log(3.0))
 """A priori, free directions differ among each other by a factor of three (one deviation of the
-logarithm): a workspace is that much longer than it is high."""
+logarithm): a workspace is that much longer than it is high. Chosen with cup-and-sugar in view."""
 
 DECADES = float(np.log(1e3))
 """A priori, a direction that matters may be up to a thousand times more precise than free movement,

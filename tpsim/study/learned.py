@@ -12,7 +12,7 @@ TEXT = (
     "where the first is so much smaller that it is more probable to be meant than not. Only there "
     "is the robot stiff, in proportion to the precision; how fast the most precise direction is "
     "follows from the delay of the control loop, and what a person feels in free directions is a "
-    "friction. Neither was set for this task."
+    "friction that is set by hand."
 )
 
 

@@ -9,14 +9,11 @@ from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.border import Count, Positive, border, checked
 from tpsim.controllers.renewed import RenewedImpedance
-from tpsim.controllers.seeking import Reference, gains, moving, seek
+from tpsim.controllers.seeking import PERIOD, Reference, gains, moving, seek
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.robot.state import State
 from tpsim.robot.views.view import View
 from tpsim.world.impedance import Impedance
-
-PERIOD = 8
-"""Time steps for which an impedance lasts by default."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from tpsim.border import Count, Positive, border
-from tpsim.controllers.operational_space import PERIOD, Aim, prioritised
+from tpsim.controllers.operational_space import Aim, prioritised
 from tpsim.controllers.renewed import RenewedImpedance
-from tpsim.controllers.seeking import moving
+from tpsim.controllers.seeking import PERIOD, moving
 from tpsim.errors import ArgumentError
 from tpsim.robot.state import State
 from tpsim.world.impedance import Impedance

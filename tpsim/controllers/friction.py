@@ -1,7 +1,7 @@
 """Friction of free directions: what nobody pulls back stays where it is put."""
 
 import numpy as np
-from scipy.linalg.lapack import dtrtrs
+from scipy.linalg.lapack import dgesv, dsyevd, dtrtrs
 
 from tpsim.robot.state import State
 
@@ -39,8 +39,8 @@ def damping(
 
     In the coordinates z = L^T q, M = L L^T, with modes V and their stiffness K_z:
 
-    - Every mode is damped as the optimum for a cost of acceleration and of kinetic energy is,
-      D_z = (2 K_z + rate^2)^1/2: one without stiffness loses its speed at ``rate``.
+    - Every mode is damped as the optimum is, D_z = (2 K_z)^1/2, and a free one, in the share of
+      :func:`loose`, loses its speed at ``rate``.
     - Where a hand is free to go, ``rate`` gives way to the same friction in all directions, so
       that a person feels ``friction`` times the speed whatever the posture. A motion that several
       hands make together is slowed at the first of them alone: friction at the others would have
@@ -62,28 +62,36 @@ def damping(
     rate : float
         [1/s]
     """
-    optimal = np.sqrt(2 * stiffness)
-    share = (V * loose(stiffness)) @ V.T
-    D = (V * optimal) @ V.T
+    # In the coordinates of the modes, V^T z, shares are factors.
+    n, share = len(V), loose(stiffness)
+    D = np.diag(np.sqrt(2 * stiffness))
     # What no hand has decided so far, and what is not yet slowed as a hand.
-    open_, slow = np.eye(len(V)), np.eye(len(V))
+    undecided, slow = np.eye(n), np.eye(n)
+    before = None
     for site in state.robot.hands.values():
-        rows = dtrtrs(L, state.jacobian(site).T, lower=1)[0].T
-        free = rows[:3] @ share @ open_
-        mobility, own = rows[:3] @ rows[:3].T, free @ free.T
-        values, U = np.linalg.eigh(own)
-        most = np.einsum("ki,kl,li->i", U, mobility, U)
+        if before is not None:
+            undecided = _without(undecided, *before)
+        rows = dtrtrs(L, state.jacobian(site).T, lower=1)[0].T @ V
+        free = rows * share
+        mobility = rows @ rows.T
+        moves = free[:3] @ undecided
+        values, U, _ = dsyevd(moves @ moves.T)
+        most = (U * (mobility[:3, :3] @ U)).sum(0)
         weight = np.maximum(values, 0.0) / (values + LOOSE * most + 1e-12)
         pull = U.T @ rows[:3]
         D += friction * (pull.T * weight) @ pull
-        slow = _without(slow, rows[:3] @ share @ slow, mobility)
-        open_ = _without(open_, rows @ share @ open_, rows @ rows.T)
-    D += rate * slow.T @ share @ slow
-    return L @ D @ L.T
+        slow = _without(slow, free[:3], mobility[:3, :3])
+        before = free, mobility
+    D += rate * (slow.T * share) @ slow
+    root = L @ V
+    damped: np.ndarray = root @ D @ root.T
+    return damped
 
 
 def _without(space: np.ndarray, rows: np.ndarray, mobility: np.ndarray) -> np.ndarray:
-    """Projection that is left of a space (n, n) when rows (m, n) in it are taken."""
-    decided = rows @ rows.T + LOOSE * mobility
-    decided.flat[:: len(decided) + 1] += 1e-12 * np.trace(mobility)
-    return space - space @ rows.T @ np.linalg.solve(decided, rows)
+    """Projection that is left of a space (n, n) when what rows (m, n) move in it is taken."""
+    inside = rows @ space
+    decided = inside @ inside.T + LOOSE * mobility
+    decided.flat[:: len(decided) + 1] += 1e-12 * mobility.trace()
+    # LAPACK directly: numpy's wrapper costs twice the call at this size.
+    return space - (space @ inside.T) @ dgesv(decided, inside)[2]

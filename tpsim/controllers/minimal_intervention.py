@@ -1,33 +1,27 @@
 """Minimal intervention at torque level: precise where it was learned, soft elsewhere."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from math import atan, pi, sqrt
 
 import numpy as np
-from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.border import Count, NotNegative, Positive, border
 from tpsim.checks import number
 from tpsim.controllers.friction import damping, felt_mass, loose
-from tpsim.controllers.product import Information, Product, Skill, posture_skill
-from tpsim.controllers.renewed import RenewedImpedance
-from tpsim.errors import ArgumentError, SimulationError
+from tpsim.controllers.intervention import NOTHING, Intervention, Modes
+from tpsim.controllers.product import Skill
+from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.robot.state import State
-from tpsim.robot.views.joints import Joints
 from tpsim.world.impedance import Impedance
 
-NOTHING = 1e-12
-"""Precision [1/(kg m^2)] that is none."""
 
-
-class MinimalIntervention(RenewedImpedance):
+class MinimalIntervention(Intervention):
     """The product of all frames of all skills, as stiffness and damping (Eqs 5-6, 34, Section 6).
 
-    Stiffness is the optimum of :func:`optimum`. Directions in which no frame matters
-    (:mod:`tpsim.learning.free_movement`) have none: there the arm stays where it is put, and
-    friction is what a person feels who leads it (:mod:`~tpsim.controllers.friction`).
+    Stiffness is the optimum (:func:`~tpsim.controllers.intervention.optimum`). Directions in which
+    no frame matters (:mod:`tpsim.learning.free_movement`) have none: there the arm stays where it
+    is put, and friction is what a person feels who leads it (:mod:`~tpsim.controllers.friction`).
 
     Parameters
     ----------
@@ -60,55 +54,36 @@ class MinimalIntervention(RenewedImpedance):
         prior: Gaussian | None = None,
         every: Count = 16,
     ):
-        super().__init__(every)
+        super().__init__(skills, prior, every)
         if bandwidth is not None and effort is not None:
             raise ArgumentError("bandwidth and effort were given; give one of them")
-        self.skills, self.prior = tuple(skills), prior
         self.bandwidth = bandwidth_for() if bandwidth is None else bandwidth
         self.friction, self.effort = friction, effort
-        self._product: Product | None = None
-        self._rate = 0.0
-        self._cap, self._effort = np.inf, self.effort
-
-    def product(self, state: State) -> Information:
-        """The product of all frames at a state.
-
-        Raises
-        ------
-        ArgumentError
-            At the first state, if no frame determines how some joint moves.
-        """
-        if self._product is None:
-            skills = list(self.skills)
-            if self.prior is not None:
-                skills.append(posture_skill(self.prior, {"prior": Joints()}))
-            self._product = Product(skills)
-            found = self._product.at(state)
-            check_determined(replace(found, precision=self._product.seen), state)
-            return found
-        return self._product.at(state)
+        self._stiffest = (2 * pi * self.bandwidth) ** 2
+        self._begun: tuple[float, float] | None = None
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the product of all frames at a state."""
         modes = Modes.of(self.product(state), state)
-        if self._effort is None or self._now is None:
-            self._begin(modes, state)
-        K = np.sqrt(modes.precision / self._effort)
+        if self._begun is None:
+            self._begun = self._cost(modes), self.friction / felt_mass(state)
+        cost, rate = self._begun
+        K = np.sqrt(modes.precision / cost)
         if self.effort is None:
             # Frames that nearly agree leave springs that would take seconds: they are none.
-            K = np.minimum(K, self._cap) * (1 - loose(K))
+            K = np.minimum(K, self._stiffest) * (1 - loose(K))
         L, V = modes.inertia_root, modes.vectors
         root = L @ V
-        D = damping(state, L, V, K, self.friction, self._rate)
+        D = damping(state, L, V, K, self.friction, rate)
         return Impedance((root * K) @ root.T, D, state.q + modes.way)
 
-    def _begin(self, modes: "Modes", state: State) -> None:
-        """Effort and friction, from what the first state shows."""
-        if self.effort is None:
-            self._cap, top = (2 * np.pi * self.bandwidth) ** 2, float(modes.precision[-1])
-            # Where nothing matters there is no spring at all.
-            self._effort = top / self._cap**2 if top > NOTHING else np.inf
-        self._rate = self.friction / felt_mass(state)
+    def _cost(self, modes: Modes) -> float:
+        """Effort as given, or that with which the most precise mode has the bandwidth."""
+        if self.effort is not None:
+            return self.effort
+        top = float(modes.precision[-1])
+        # Where nothing matters there is no spring at all.
+        return top / self._stiffest**2 if top > NOTHING else np.inf
 
 
 def bandwidth_for(delay: float = 0.005) -> float:
@@ -122,84 +97,3 @@ def bandwidth_for(delay: float = 0.005) -> float:
     delay = number("delay", delay, above=0, what="time [s]")
     c = sqrt(1 + sqrt(2))
     return 0.5 * atan(sqrt(2) * c) / c / (2 * pi * delay)
-
-
-@dataclass(frozen=True, eq=False)
-class Modes:
-    """The product of all frames in coordinates z = L^T q, in which all inertia is one.
-
-    Parameters
-    ----------
-    inertia_root : (n, n)
-        L, with M = L L^T.
-    vectors : (n, n)
-        Of the precision in z, in the columns.
-    precision : (n,)
-        Its eigenvalues, ascending.
-    way : (n,)
-        From the posture to the optimum [rad].
-    """
-
-    inertia_root: np.ndarray
-    vectors: np.ndarray
-    precision: np.ndarray
-    way: np.ndarray
-
-    @classmethod
-    def of(cls, product: Information, state: State) -> "Modes":
-        """Modes of a product at a state."""
-        J, y, W = product.jacobian, product.value, product.precision
-        L = dpotrf(state.mass, lower=1)[0]
-        # (J L^-T)^T: the Jacobian with respect to z.
-        Jz = dtrtrs(L, J.T, lower=1)[0]
-        JW = Jz @ W
-        gradient = Jz @ product.target - JW @ y
-        # LAPACK directly: numpy's wrapper costs a third of the call at this size.
-        values, V, failed = dsyevd(JW @ Jz.T, overwrite_a=1)
-        if failed:
-            raise SimulationError("the precision of the frames has no eigendecomposition")
-        # At a singular posture a frame may lose its last direction: no pull there, not infinity.
-        np.maximum(values, max(1e-9 * values[-1], NOTHING), out=values)
-        # Way to the optimum of each mode: Lambda_z^-1 times the gradient.
-        way = dtrtrs(L, V @ ((V.T @ gradient) / values), lower=1, trans=1)[0]
-        return cls(L, V, values, way)
-
-
-def optimum(product: Information, state: State, effort: float) -> Impedance:
-    """Impedance towards the product of all frames: infinite horizon, frozen M and J, closed form.
-
-    In the coordinates z = L^T q with M = L L^T every direction has unit inertia, and the cost of
-    acceleration ``r |ddz|^2 = r ddq^T M ddq`` is the same for every direction. With the Jacobian
-    ``J_z = J L^-T`` and the precision ``Lambda_z = J_z^T W J_z``,
-
-        K_z = (Lambda_z / r)^1/2,  D_z = (2 K_z)^1/2,
-        tau = L [ K_z L^T (q_hat - q) - D_z L^T dq ] + bias.
-
-    It is the optimum for M, J and W that stay as they are; they are frozen until the next renewal,
-    and over the whole horizon nothing is claimed. The stiffness ``L K_z L^T`` is symmetric and
-    does not depend on the choice of joint coordinates; all modes are damped alike. From one
-    renewal to the next it is not the gradient of one potential: led round a loop it may give or
-    take energy, which the tank bounds (:mod:`tpsim.world.tank`).
-
-    Parameters
-    ----------
-    product : Information
-    state : State
-    effort : float
-        r [s^4/(kg m^2)].
-    """
-    modes = Modes.of(product, state)
-    root = modes.inertia_root @ modes.vectors
-    return Impedance.of_modes(root, np.sqrt(modes.precision / effort), state.q + modes.way)
-
-
-def check_determined(product: Information, state: State) -> None:
-    """Raise ArgumentError where no frame determines how some joint moves."""
-    values, V = np.linalg.eigh(product.jacobian.T @ product.precision @ product.jacobian)
-    if values[0] > 1e-9 * values[-1]:
-        return
-    weakest = int(np.argmax(np.abs(V[:, 0])))
-    raise ArgumentError(
-        f"no frame determines the motion of joint '{state.robot.joints[weakest]}'; "
-        "give a prior Gaussian on the joint posture"
-    )

@@ -15,7 +15,7 @@ from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.border import Count, Positive, border, checked
 from tpsim.controllers.renewed import RenewedImpedance
-from tpsim.controllers.seeking import Reference, gains, moving, positive, seek
+from tpsim.controllers.seeking import PERIOD, Reference, gains, moving, positive, seek
 from tpsim.errors import ArgumentError
 from tpsim.robot.state import State
 from tpsim.robot.views.view import View
@@ -23,9 +23,6 @@ from tpsim.world.impedance import Impedance
 
 SINGULAR = 0.05
 """Mobility [1/kg], [1/(kg m^2)] below which the arm counts as unable to move a view."""
-
-PERIOD = 8
-"""Time steps for which an impedance lasts by default."""
 
 
 @dataclass(frozen=True, eq=False)

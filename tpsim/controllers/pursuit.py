@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg.lapack import dgesv
 
 from tpsim.border import Count, Positive, border
-from tpsim.controllers.minimal_intervention import MinimalIntervention, optimum
+from tpsim.controllers.intervention import Intervention, optimum
 from tpsim.controllers.product import Information, Skill
 from tpsim.robot.state import State
 from tpsim.robot.views.view import Seen
@@ -20,7 +20,7 @@ STRENGTH = 0.6
 """Share of the motors' torque that springs do not exceed: the rest is left for brakes."""
 
 
-class Pursuit(MinimalIntervention):
+class Pursuit(Intervention):
     """Minimal intervention in frames of moving objects: it damps what lags behind, not what moves.
 
     The joint velocity that keeps up with all frames solves, in the precisions W of their product,
@@ -43,15 +43,15 @@ class Pursuit(MinimalIntervention):
     def __init__(self, skills: Sequence[Skill], *, effort: Positive, every: Count = 25):
         # What moves must be led in every direction: here a frame counts as it was learned.
         whole = [Skill(s.views, replace(s.model, relevance=())) for s in skills]
-        super().__init__(whole, effort=effort, every=every)
-        self.cost = effort
+        super().__init__(whole, None, every)
+        self.effort = effort
         self._was: np.ndarray | None = None
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the product of all frames at a state, moving with them."""
         state = self._ahead(state)
         product, robot = self.product(state), state.robot
-        now = optimum(product, state, self.cost)
+        now = optimum(product, state, self.effort)
         pull = now.stiffness @ (now.reference - state.q)
         # At this speed spring and damper are in balance.
         speed = dgesv(now.damping, pull)[2]

@@ -255,7 +255,7 @@ def recipe_of(controller: object, period: float) -> Recipe:
     kind = type(controller)
     if isinstance(controller, Pursuit) and kind is Pursuit:
         skills = tuple(WrittenSkill.of(skill) for skill in controller.skills)
-        return PursuitRecipe(controller.every * period, skills, controller.cost)
+        return PursuitRecipe(controller.every * period, skills, controller.effort)
     if isinstance(controller, MinimalIntervention) and kind is MinimalIntervention:
         m = controller
         skills = tuple(WrittenSkill.of(skill) for skill in m.skills)

@@ -128,13 +128,9 @@ def _relevance(
         chance[own] = 1.0 if few else chance_of(ratio[own], samples)
     keep = (chance > 0.5) & (ratio < 1.0)
     R = directions[keep]
-    # The marginal over the directions that matter; free movement has unit variance in them.
-    inner = np.linalg.inv(R @ covariance @ R.T) - _inner_free(R, free)
+    # The marginals over the directions that matter.
+    inner = np.linalg.inv(R @ covariance @ R.T) - np.linalg.inv(R @ free @ R.T)
     return R.T @ inner @ R, directions, ratio, chance
-
-
-def _inner_free(R: np.ndarray, free: np.ndarray) -> np.ndarray:
-    return np.linalg.inv(R @ free @ R.T)
 
 
 def chance_of(ratio: ArrayLike, samples: float = np.inf) -> np.ndarray:

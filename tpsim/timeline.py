@@ -27,6 +27,11 @@ def rest_to_rest(phase: np.ndarray) -> np.ndarray:
     return phase**3 * (10 - 15 * phase + 6 * phase**2)
 
 
+def rest_to_rest_rate(phase: np.ndarray) -> np.ndarray:
+    """Rate (T,) of :func:`rest_to_rest`, per unit of phase."""
+    return 30 * phase**2 * (1 - phase) ** 2
+
+
 def evenly_spaced(time: np.ndarray) -> bool:
     """Whether stamps (T,) are those of a regular clock, up to rounding and a little jitter."""
     if len(time) < 3:

@@ -81,8 +81,8 @@ def run(
         shown = teaching.taught_all(study, task.demonstrations, plan.seed, workers)
         taught = {behaviour: found.trials for behaviour, found in shown.items()}
         for behaviour, trials in taught.items():
-            where = opened.folder / DEMONSTRATIONS / behaviour
-            write_demonstrations(where, study, behaviour, trials, seed=plan.seed, command=command)
+            place = opened.folder / DEMONSTRATIONS / behaviour
+            write_demonstrations(place, study, behaviour, trials, seed=plan.seed, command=command)
         models = learn(task, taught)
         opened.save_models(models)
         lab = Lab(study, models, taught)
@@ -162,10 +162,7 @@ def _report(
     taught: Section,
 ) -> Path:
     study, task = lab.study, lab.task
-    if study.sections is None:
-        sections = series.sections(records, study.all_measures)
-    else:
-        sections = study.sections(records)
+    sections = series.of_study(study, records)
     if study.contest is not None:
         sections = [*sections, *fronts.sections(study.contest, records)]
     if records.lost:

@@ -1,5 +1,8 @@
 """What was learned, in numbers: where the teacher was precise, and what matters of it."""
 
+from collections.abc import Iterator
+from typing import NamedTuple
+
 import numpy as np
 
 from tpsim.study.report import Section
@@ -16,49 +19,72 @@ TEXT = (
 )
 
 
-def deviations(task: Task, models: Models) -> dict[str, dict[str, dict[str, float]]]:
-    """Standard deviation of every dimension of every view of every behaviour, in its own unit.
+class Row(NamedTuple):
+    """One dimension of one view of one behaviour.
 
-    It is the mean over the components, weighted by their priors.
+    Parameters
+    ----------
+    behaviour, frame, dimension : str
+    deviation : float
+        Standard deviation, mean over the components, weighted by their priors, in its own unit.
+    free : float, optional
+        That of free movement, where it was looked at.
+    matters : bool
+        Whether the directions that matter have a part in it, in most components.
     """
-    found: dict[str, dict[str, dict[str, float]]] = {}
-    for row in rows(task, models):
-        frames = found.setdefault(str(row["behaviour"]), {})
-        frames.setdefault(str(row["frame"]), {})[str(row["dimension"])] = float(
-            str(row["deviation"])
-        )
-    return found
+
+    behaviour: str
+    frame: str
+    dimension: str
+    deviation: float
+    free: float | None = None
+    matters: bool = True
 
 
-def rows(task: Task, models: Models) -> list[dict[str, object]]:
-    """One row for every dimension of every view of every behaviour.
-
-    ``deviation`` is the mean over components, weighted by their priors; ``free`` that of free
-    movement, and ``matters`` the share of components in which the dimension is not free, where
-    that was looked at.
-    """
-    robot, found = task.stage.robot, []
+def rows(task: Task, models: Models) -> Iterator[Row]:
+    """Every dimension of every view of every behaviour."""
     for name, behaviour in task.behaviours().items():
         model = models[name]
-        for j, (view, quantity) in enumerate(behaviour.views.items()):
-            labels = quantity.labels(robot)
-            variance = np.einsum("k,kii->i", model.priors, model.frames[j].covariance)
+        seen = zip(
+            behaviour.views.items(),
+            model.frames,
+            model.relevance or [None] * len(model.frames),
+            strict=True,
+        )
+        for (view, quantity), gaussian, relevance in seen:
+            labels = quantity.labels(task.stage.robot)
+            variance = np.einsum("k,kii->i", model.priors, gaussian.covariance)
             # A model of time and view has its inputs first.
-            deviation = np.sqrt(variance[-len(labels) :])
-            row: dict[str, object]
-            for i, label in enumerate(labels):
-                row = {"behaviour": name, "frame": view, "dimension": label}
-                row["deviation"] = float(deviation[i])
-                if model.relevance:
-                    one = model.relevance[j]
-                    # A dimension counts if the directions that matter have a part in it.
-                    part = np.einsum("kii->ki", one.precision)[:, i] * one.free[i, i] > 1.0
-                    row["free movement"] = float(np.sqrt(one.free[i, i]))
-                    row["matters"] = "yes" if model.priors @ part > 0.5 else "no"
-                found.append(row)
+            deviation = np.sqrt(variance[-len(labels) :]).tolist()
+            if relevance is None:
+                yield from (Row(name, view, *each) for each in zip(labels, deviation, strict=True))
+                continue
+            free = np.diagonal(relevance.free)
+            part = np.einsum("kii->ki", relevance.precision) * free > 1.0
+            about = labels, deviation, np.sqrt(free).tolist(), (model.priors @ part > 0.5).tolist()
+            yield from (Row(name, view, *each) for each in zip(*about, strict=True))
+
+
+def deviations(task: Task, models: Models) -> dict[str, dict[str, dict[str, float]]]:
+    """Standard deviation of every dimension of every view of every behaviour, in its own unit."""
+    found: dict[str, dict[str, dict[str, float]]] = {}
+    for row in rows(task, models):
+        frames = found.setdefault(row.behaviour, {})
+        frames.setdefault(row.frame, {})[row.dimension] = row.deviation
     return found
 
 
 def section(task: Task, models: Models) -> Section:
     """Table of the report: what the teacher cared about, and what not."""
-    return Section("What was learned", TEXT, table=rows(task, models))
+    table: list[dict[str, object]] = []
+    for row in rows(task, models):
+        shown: dict[str, object] = {
+            "behaviour": row.behaviour,
+            "frame": row.frame,
+            "dimension": row.dimension,
+            "deviation": row.deviation,
+        }
+        if row.free is not None:
+            shown |= {"free movement": row.free, "matters": "yes" if row.matters else "no"}
+        table.append(shown)
+    return Section("What was learned", TEXT, table=table)

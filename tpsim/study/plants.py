@@ -98,10 +98,7 @@ def with_plants(
         yield list(on_plants(chosen, plants))
 
     def sections(records: Records) -> list[Section]:
-        if study.sections is None:
-            shown = series.sections(records, study.all_measures)
-        else:
-            shown = study.sections(records)
+        shown = series.of_study(study, records)
         return [*shown, section(records, study.all_measures, plants, of)]
 
     extended: ConditionsOf = conditions

@@ -9,6 +9,7 @@ from tpsim.study import plot
 from tpsim.study.measure import Measure
 from tpsim.study.record import Record, Records
 from tpsim.study.report import Picture, Section
+from tpsim.study.study import Study
 
 COLUMNS = 4
 """Panels beside each other, at most."""
@@ -29,6 +30,13 @@ def sections(records: Records, measures: Sequence[Measure]) -> list[Section]:
             shown.append(measure)
     found = [_beside(records, of_trials), *(_section(records, measure) for measure in shown)]
     return [section for section in found if section is not None]
+
+
+def of_study(study: Study, records: Records) -> list[Section]:
+    """What a study shows itself, or all its measures."""
+    if study.sections is None:
+        return sections(records, study.all_measures)
+    return study.sections(records)
 
 
 def _controllers(records: Sequence[Record]) -> list[str]:

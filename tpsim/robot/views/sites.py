@@ -13,11 +13,12 @@ from tpsim.robot.state import State
 from tpsim.robot.views.direction import AXES, Direction
 from tpsim.robot.views.view import Seen, View
 
-_LABELS: dict[str, tuple[str, ...]] = {
+LABELS: dict[str, tuple[str, ...]] = {
     "position": ("x [m]", "y [m]", "z [m]"),
     "orientation": ("about x [rad]", "about y [rad]", "about z [rad]"),
 }
-_LABELS["pose"] = _LABELS["position"] + _LABELS["orientation"]
+LABELS["pose"] = LABELS["position"] + LABELS["orientation"]
+"""Names of the dimensions of a pose and of its parts."""
 
 Rotation = tuple[float, ...]
 """Rotation matrix (9,), row by row: a value that can be compared and written to a file."""
@@ -150,7 +151,7 @@ class SiteView(View):
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
-        return _LABELS[self.part]
+        return LABELS[self.part]
 
     def about(self, reference: np.ndarray) -> "SiteView":
         """The same with rotation vectors counted from a rotation (3, 3)."""

@@ -11,8 +11,9 @@ from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
+from tpsim.robot.views.sites import LABELS
 from tpsim.robot.views.view import Seen, View
-from tpsim.timeline import rest_to_rest
+from tpsim.timeline import rest_to_rest, rest_to_rest_rate
 
 Path = Callable[[State], tuple[Pose, np.ndarray]]
 """Pose and twist (6,) [m/s], [rad/s], world-aligned, at a state's time among its objects; a value
@@ -55,7 +56,7 @@ class Handover(View):
         if phase >= 1:
             return self.then(state)
         s = float(rest_to_rest(np.array(phase)))
-        rate = 30 * phase**2 * (1 - phase) ** 2 / (self.end - self.start)
+        rate = float(rest_to_rest_rate(np.array(phase))) / (self.end - self.start)
         (y1, J1, d1, _), (y2, J2, d2, _) = self.first(state), self.then(state)
         drift = (1 - s) * d1 + s * d2 + rate * (y2 - y1)
         return Seen((1 - s) * y1 + s * y2, (1 - s) * J1 + s * J2, drift)
@@ -83,8 +84,7 @@ class OnPath(View):
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
-        lengths, angles = ([f"{way}{axis}" for axis in "xyz"] for way in ("", "about "))
-        return (*(f"{one} [m]" for one in lengths), *(f"{one} [rad]" for one in angles))
+        return LABELS["pose"]
 
     def see(self, state: State) -> Seen:
         """Value, Jacobian and drift at a state; the path's own motion is drift."""

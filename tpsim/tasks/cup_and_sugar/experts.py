@@ -20,15 +20,14 @@ from tpsim.study.expert import Expert, Gains, Range, tuned
 from tpsim.study.record import Record
 from tpsim.task.task import Situation, Task
 from tpsim.tasks.cup_and_sugar import cup, sugar
+from tpsim.tasks.cup_and_sugar.conditions import DIRECTIONS, PUSH, TRAVEL
 from tpsim.tasks.cup_and_sugar.hands import Hands
+from tpsim.tasks.cup_and_sugar.measures import tilt
 from tpsim.world.people.push import Push
 from tpsim.world.world import World
 
 GAINS = Path(__file__).with_name("gains.json")
 """Gains as they were tuned on cup-and-sugar."""
-
-PUSH, TRAVEL = 20.0, 0.15
-"""Force of the pushes on the left hand [N], and how far it is led [m]."""
 
 _POSTURE, _DAMPING = Range(1.0, 30.0, "1/s^2"), Range(0.5, 1.5)
 
@@ -106,7 +105,7 @@ def experts(taught: Sequence[str]) -> dict[str, Expert]:
 
 def _pushes(task: Task, situation: Situation, rng: np.random.Generator) -> list[Push]:
     """The left hand along each axis: one way or the other, in turn with the situations."""
-    ways = PUSH * np.vstack([np.eye(3), -np.eye(3)])[situation.index % 2 :: 2]
+    ways = PUSH * DIRECTIONS[situation.index % 2 :: 2]
     return [Push("left_gripper", tuple(way.tolist()), start=0.3) for way in ways]
 
 
@@ -116,15 +115,11 @@ def _lead(task: Task, situation: Situation, rng: np.random.Generator) -> Lead:
     return Lead("left_gripper", (0, 0, 0), tuple(travel.tolist()), 0.3, 1.5, 0.5)
 
 
-def _tilt(record: Record) -> np.ndarray:
-    return np.degrees(np.linalg.norm(record.see(cup.LEVEL), axis=1))
-
-
 def _offset(record: Record) -> np.ndarray:
     return 1e3 * np.linalg.norm(record.see(_place(record.task.stage)), axis=1)
 
 
-TILT = Error("tilt", _tilt, "deg", 3.0, "Cup tilt")
+TILT = Error("tilt", tilt, "deg", 3.0, "Cup tilt")
 OFFSET = Error("offset", _offset, "mm", 6.0, "Sugar from its place")
 
 

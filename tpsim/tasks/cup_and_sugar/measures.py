@@ -31,6 +31,11 @@ def taught_place(models: Models) -> np.ndarray:
     return place
 
 
+def tilt(record: Record) -> np.ndarray:
+    """Angle (T,) [deg] of the cup's axis from the vertical."""
+    return np.degrees(np.linalg.norm(record.see(cup.LEVEL), axis=1))
+
+
 def offset(record: Record) -> np.ndarray:
     """Distance (T,) [mm] of the sugar from its taught place above the cup."""
     view = sugar.ABOVE.position.minus(taught_place(record.models))

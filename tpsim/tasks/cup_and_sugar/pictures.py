@@ -12,8 +12,8 @@ from tpsim.study.report import Picture, Section
 from tpsim.study.study import Lab
 from tpsim.task.task import Task, draw_situation
 from tpsim.task.verbs import perform
-from tpsim.tasks.cup_and_sugar import conditions, cup
-from tpsim.tasks.cup_and_sugar.measures import offset, yielding
+from tpsim.tasks.cup_and_sugar import conditions
+from tpsim.tasks.cup_and_sugar.measures import offset, tilt, yielding
 from tpsim.world.people.push import Push
 from tpsim.world.trial import Trial
 
@@ -29,17 +29,13 @@ def sections(records: Records) -> list[Section]:
     shown = {name: groups[name] for name in list(groups)[:2]}
     found = []
     if "cup" in records.models:
-        figure = plot.panels(shown, _tilt, label="cup tilt [deg]", limit=3.0)
+        figure = plot.panels(shown, tilt, label="cup tilt [deg]", limit=3.0)
         found.append(Section("The cup stays level", _TILT, [Picture(figure)]))
     if "sugar" in records.models:
         figure = plot.panels(shown, offset, label="sugar offset [mm]", limit=6.0)
         found.append(Section("The sugar stays above it", _OFFSET, [Picture(figure)]))
     more = _yielding(records), _stiffness(records)
     return found + [section for section in more if section is not None]
-
-
-def _tilt(record: Record) -> np.ndarray:
-    return np.degrees(np.linalg.norm(record.see(cup.LEVEL), axis=1))
 
 
 _TILT = (

@@ -245,7 +245,7 @@ def straight(
     steps, still = steps_in("seconds", seconds, timestep), steps_in("rest", rest, timestep, 0)
     s = (np.arange(steps) + 1) / steps
     way = np.concatenate([timeline.rest_to_rest(s), np.ones(still)])
-    speed = np.concatenate([30 * s**2 * (1 - s) ** 2 / seconds, np.zeros(still)])
+    speed = np.concatenate([timeline.rest_to_rest_rate(s) / seconds, np.zeros(still)])
     return HandPath(
         np.array(origin) + way[:, None] * np.array(travel),
         np.broadcast_to(np.eye(3), (len(way), 3, 3)),

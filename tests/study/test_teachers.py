@@ -1,0 +1,80 @@
+"""Many teachers: figures of all their trials together, and for how many a limit holds."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from tpsim.study.campaign import run
+from tpsim.study.contest import Contest, Error
+from tpsim.study.files.run import load_run
+from tpsim.study.measure import Measure, most
+from tpsim.study.study import Plan
+from tpsim.study.teachers import run_teachers
+from tpsim.world.people.push import Push
+
+
+def reach(record):
+    return 1e3 * np.linalg.norm(record["hand_position"] - record["hand_position"][0], axis=1)
+
+
+REACH = Measure("reach_mm", of=reach, unit="mm", label="pushed", across=most, limit=20.0)
+
+
+@pytest.fixture(scope="module")
+def found(toy, tmp_path_factory):
+    study = replace(toy, measures=[REACH], controllers={})
+    folder = tmp_path_factory.mktemp("teachers") / "run"
+    return study, run_teachers(study, Plan(4, 1, 2), 2, folder), folder
+
+
+def trials(folder, seed):
+    run = load_run(folder / f"teacher-{seed}")
+    return [t for t in run.trials() if t.about["condition"]["label"] == "pushed"]
+
+
+def test_every_teacher_has_a_run_of_its_own(found):
+    _, answer, folder = found
+    assert answer["teachers"] == 2 and answer["situations"] == 2
+    assert [load_run(folder / f"teacher-{seed}").file.seed for seed in (4, 5)] == [4, 5]
+    assert json.loads((folder / "teachers.json").read_text())["kept"] == answer["kept"]
+
+
+def test_figures_are_those_of_all_trials_together(found):
+    _, answer, folder = found
+    numbers = [
+        1e3 * np.linalg.norm(t["hand_position"] - t["hand_position"][0], axis=1).max()
+        for seed in (4, 5)
+        for t in trials(folder, seed)
+    ]
+    assert len(numbers) == 4 and min(numbers) < 20 < max(numbers)
+    assert answer["figures"]["reach_mm"] == pytest.approx(np.percentile(numbers, 95))
+    kept = sum(n <= 20 for n in numbers)
+    row = answer["kept"]["reach_mm"]
+    assert row["trials"] == 4 and row["kept"] == f"{25 * kept:.1f} %"
+    # Wilson's interval for k of n.
+    z, n, p = norm.ppf(0.975), 4, kept / 4
+    middle = (p + z**2 / (2 * n)) / (1 + z**2 / n)
+    half = z * np.sqrt(p * (1 - p) / n + z**2 / (4 * n**2)) / (1 + z**2 / n)
+    assert row["interval"] == f"{100 * (middle - half):.1f} to {100 * (middle + half):.1f} %"
+
+
+def test_what_a_study_measures_itself_is_not_replaced_by_its_contest(toy, tmp_path):
+    """A contest looks at some of the trials, and may define an error in another way."""
+    error = Error("gap", lambda record: 7.0 + 0 * reach(record), "mm", 1.0)
+    push = Push("tip", (3.0, 0.0, 0.0), 0.05, 0.1)
+    contest = Contest([error], lambda task, situation, rng: [push], situations=1)
+    mine = replace(REACH, name="gap_p95_mm")
+    study = replace(toy, measures=[mine], controllers={}, contest=contest)
+    seen = {}
+    answer = run(
+        study,
+        Plan(4, 1, 1),
+        tmp_path / "run",
+        video=False,
+        look=lambda lab, records, results: seen.update({r.name: r.value for r in results}),
+    )
+    assert answer["figures"]["gap_p95_mm"] == seen["gap_p95_mm"] != 7.0
+    assert answer["figures"]["dominated_by"] == []

@@ -81,6 +81,8 @@ class Forks:
 
     def wait(self, seconds):
         """Exit code."""
+        if self.returncode is not None:
+            return self.returncode
         if select.select([self._server.stdout], [], [], seconds)[0]:
             return self.poll()
         raise TimeoutError(f"it runs after {seconds} s")

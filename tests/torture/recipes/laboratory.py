@@ -438,6 +438,8 @@ def _control(book: Book) -> None:
             every=16,
             **strength,
         )
+    intervention = lab.MinimalIntervention([SKILL], prior=prior, effort=0.05)
+    add("lab.Intervention.product", intervention.product, state=STATE)
     add("lab.Spring", lab.Spring, view=VIEW, stiffness=[300.0, 200.0, 100.0], reference=np.ones(3))
     add(
         "lab.CartesianImpedance",

@@ -125,7 +125,8 @@ def _either(name: str, value: object, readers: list[Reader], none: bool) -> obje
 
 def _sequence(name: str, value: object, item: Reader, alone: object, form: type) -> object:
     kinds = get_args(alone) if get_origin(alone) in (Union, types.UnionType) else (alone,)
-    if any(isinstance(kind, type) and _fits(value, kind) for kind in kinds):
+    own = [kind for kind in kinds if isinstance(kind, type) and kind not in _ARRAY]
+    if any(_fits(value, kind) for kind in own):
         value = [value]
     return form(
         item(f"{name}[{i}]", one) for i, one in enumerate(checks.entries(name, value, tables=False))

@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Literal
 
 from tpsim.border import Positive, border, checked
+from tpsim.checks import shown
 from tpsim.data.units import ANGLE, LENGTH, TIME
 from tpsim.errors import ArgumentError
 
@@ -108,7 +109,7 @@ class Columns:
         for field, known in (("time_unit", TIME), ("length_unit", LENGTH), ("angle_unit", ANGLE)):
             unit = getattr(self, field)
             if unit is not None and unit not in known:
-                raise ArgumentError(f"{field} is {unit!r}; give one of {', '.join(known)}")
+                raise ArgumentError(f"{field} is {shown(unit)}; give one of {', '.join(known)}")
 
     @property
     def says_movement(self) -> bool:

@@ -573,7 +573,9 @@ def _retrieval(book: Book) -> None:
         scale=1.0,
         errors={1: 0.5},
     )
-    add("TPTrajectory.__call__", TPTRAJECTORY.__call__, words=("covariance",), frames=FRAMES)
+    add(
+        "TPTrajectory.__call__", TPTRAJECTORY.__call__, words=("covariance", "noise"), frames=FRAMES
+    )
     add(
         "fit_movement",
         tp.fit_movement,

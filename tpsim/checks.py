@@ -135,9 +135,11 @@ def number(
 
 def felt(name: str, value: object) -> Floats:
     """Finite floats of which the largest does not vanish when it is squared, or all are zero."""
+    if type(value) is float and SMALLEST <= abs(value) < HUGE:
+        return np.array(value)
     plain = type(value) is np.ndarray and value.dtype is FLOAT
     array = cast(Floats, value) if plain else finite_array(name, value)
-    largest = np.abs(array).max(initial=0.0)
+    largest = np.abs(array).max() if array.size else 0.0
     if SMALLEST <= largest < HUGE or largest == 0:
         return array
     finite_array(name, array)

@@ -188,7 +188,7 @@ def _feedback(problem, policy, curvature):
         gain=np.array(policy[:, :, :n]),
         feedforward=-policy[:, :, n],
         system=problem.system,
-        curvature=np.array(curvature),
+        curvature=curvature,
     )
 
 

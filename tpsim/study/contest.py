@@ -15,6 +15,7 @@ from tpsim.study.record import Record, Records
 from tpsim.study.standing import Standing
 from tpsim.task.task import Situation, Task, draw_situation
 from tpsim.world.people.push import Push
+from tpsim.world.plant import NOMINAL, Plant
 from tpsim.world.rollout import RECORD_PERIOD
 
 if TYPE_CHECKING:
@@ -94,6 +95,8 @@ class Contest:
         to the least error that goes with it.
     duration : float, optional
         Of a trial [s]; the task's own by default.
+    tuned_on : Plant
+        On which experts are tuned; what is tuned on the nominal plant alone may count on it.
     situations, tuning_situations : int
         How many of a plan's situations count, and how many experts are tuned in.
     twins : bool
@@ -101,6 +104,8 @@ class Contest:
         robot rests.
     counts : callable
         Whether a push is one to which the robot should give way: ``counts(push)``; all by default.
+    without : sequence of str
+        Controllers of the study that take no part, since they do something else.
     efforts : sequence of float
         Multiples of the task's effort at which the learned controller is tried, too.
     apart : bool
@@ -117,10 +122,12 @@ class Contest:
     gains: Path | None = None
     yielding: float = 0.0
     duration: float | None = None
+    tuned_on: Plant = NOMINAL
     situations: int = 3
     tuning_situations: int = 2
     twins: bool = True
     counts: Callable[[Push], bool] = lambda push: True
+    without: Sequence[str] = ()
     efforts: Sequence[float] = (0.25, 4.0)
     apart: bool = True
     rest: str = "contest"
@@ -151,7 +158,7 @@ class Contest:
         found = []
         for index in range(min(plan.situations, self.situations)):
             situation = draw_situation(lab.task, plan.seed, index)
-            for name in lab.study.performers:
+            for name in (n for n in lab.study.performers if n not in self.without):
                 pushed = list(self.pushed_in(lab.task, situation, name))
                 if self.lead is not None and pushed[0].label != self.rest:
                     found.append(replace(pushed[0], label=self.rest, push=()))
@@ -199,6 +206,7 @@ class Contest:
         moved = [self.moved(r) for r in records if all(map(self.counts, r.condition.push))]
         found["displacement_mean_mm"] = float(np.mean(moved)) if moved else None
         found["pushes"] = len(records)
+        found["contacts"] = sum(record.trial.outcome == "contact" for record in records)
         return found
 
     def moved(self, record: Record) -> float:

@@ -180,7 +180,7 @@ def _text(standing: Standing) -> str:
         "while pushed; 95 % of the trials keep below the square, all below the end of its line. "
         "Yield is the mean over the pushes of the largest way that the hand gives. The force is "
         "the mean that a person feels who leads the hand the same way under each controller; where "
-        "the hand did not come along at the person's full strength it is more than that. A "
+        "the hand went less than nine tenths of the farthest one's way it is more than that. A "
         "controller is dominated by another one that errs no more in anything, yields no less, "
         "touches nothing in more trials, and is better in one."
     )

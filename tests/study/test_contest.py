@@ -164,7 +164,10 @@ def test_the_answer_names_who_dominates_what_was_learned(study, records):
     answer = standing.answer
     assert set(answer["experts"]) == {"soft hand", "stiff hand"}
     assert answer["gap_p95_mm"] == standing.points["learned"]["gap_p95_mm"]
-    costs = {n: (p["gap_p95_mm"], -p["displacement_mean_mm"]) for n, p in standing.points.items()}
+    costs = {
+        n: (p["gap_p95_mm"], -p["displacement_mean_mm"], p["contacts"])
+        for n, p in standing.points.items()
+    }
     by = [n for n in pareto(costs)["learned"] if not n.startswith("learned")]
     assert answer["dominated_by"] == by
     (section,) = fronts.sections(study.contest, records)

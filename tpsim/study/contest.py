@@ -16,6 +16,7 @@ from tpsim.study.record import Record, Records
 from tpsim.study.standing import Standing
 from tpsim.task.task import Situation, Task, draw_situation
 from tpsim.world.people.push import Push
+from tpsim.world.plant import NOMINAL, Plant
 from tpsim.world.rollout import RECORD_PERIOD
 
 if TYPE_CHECKING:
@@ -104,6 +105,8 @@ class Contest:
         to the least error that goes with it.
     duration : float, optional
         Of a trial [s]; the task's own by default.
+    tuned_on : Plant
+        On which experts are tuned; what is tuned on the nominal plant alone may count on it.
     situations, tuning_situations : int
         How many of a plan's situations count, and how many experts are tuned in.
     twins : bool
@@ -111,6 +114,8 @@ class Contest:
         robot rests.
     counts : callable
         Whether a push is one to which the robot should give way: ``counts(push)``; all by default.
+    without : sequence of str
+        Controllers of the study that take no part, since they do something else.
     variants : callable
         ``variants(task)``: the same task with other fields, by what is said of them, whose learned
         controllers are tried, too; a quarter and four times the effort by default.
@@ -128,10 +133,12 @@ class Contest:
     gains: Path | None = None
     yielding: NotNegative = 0.0
     duration: Duration | None = None
+    tuned_on: Plant = NOMINAL
     situations: Count = 3
     tuning_situations: Count = 2
     twins: bool = True
     counts: Callable[[Push], bool] = lambda push: True
+    without: Sequence[str] = ()
     variants: Callable[[Task], Mapping[str, Task]] = other_efforts
     apart: bool = True
     rest: str = "contest"
@@ -165,7 +172,7 @@ class Contest:
         found = []
         for index in range(min(plan.situations, self.situations)):
             situation = draw_situation(lab.task, plan.seed, index)
-            for name in lab.study.performers:
+            for name in (n for n in lab.study.performers if n not in self.without):
                 pushed = list(self.pushed_in(lab.task, situation, name))
                 if self.lead is not None and pushed[0].label != self.rest:
                     found.append(replace(pushed[0], label=self.rest, push=()))
@@ -214,6 +221,7 @@ class Contest:
         moved = [way for record in counted if (way := self.moved(record)) is not None]
         found["displacement_mean_mm"] = float(np.mean(moved)) if moved else None
         found["pushes"] = len(records)
+        found["contacts"] = sum(record.trial.outcome == "contact" for record in records)
         return found
 
     def moved(self, record: Record) -> float | None:

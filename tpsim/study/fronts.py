@@ -163,6 +163,7 @@ def _rows(contest: Contest, standing: Standing) -> list[dict[str, object]]:
             far = standing.led(name)
             row["force [N]"] = _number(point[FORCE]) if far else f"more than {point[FORCE]:.0f}"
             row["led [mm]"] = _number(point[WAY])
+        row["touched"] = _number(point["contacts"])
         row["dominated by"] = ", ".join(standing.dominated[name]) or "none"
         rows.append(row)
     return rows
@@ -179,9 +180,9 @@ def _text(standing: Standing) -> str:
         "while pushed; 95 % of the trials keep below the square, all below the end of its line. "
         "Yield is the mean over the pushes of the largest way that the hand gives. The force is "
         "the mean that a person feels who leads the hand the same way under each controller; where "
-        "the hand did not come along at the person's full strength it is more than that. A "
-        "controller is dominated by another one that errs no more in anything, yields no less, and "
-        "is better in one."
+        "the hand went less than nine tenths of the farthest one's way it is more than that. A "
+        "controller is dominated by another one that errs no more in anything, yields no less, "
+        "touches nothing in more trials, and is better in one."
     )
 
 

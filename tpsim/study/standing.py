@@ -34,7 +34,7 @@ class Standing:
 
     @property
     def dominated(self) -> dict[str, list[str]]:
-        """By which other controllers each one is dominated: in errors and yield."""
+        """By which other controllers each one is dominated: in errors, yield and contacts."""
         return pareto({name: self._costs(name) for name in self.points})
 
     @property
@@ -57,5 +57,6 @@ class Standing:
     def _costs(self, name: str) -> list[float]:
         point = self.points[name]
         moved = point[YIELD]
-        costs = [*(point[error] for error in self.errors), None if moved is None else -moved]
+        errors = [point[error] for error in self.errors]
+        costs = [*errors, None if moved is None else -moved, point["contacts"]]
         return [np.nan if cost is None else cost for cost in costs]

@@ -12,7 +12,7 @@ the least error that goes with the yield that the contest asks for
 import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -126,6 +126,7 @@ def tune(
         "seed": seed,
         "trials": trials,
         "situations": contest.tuning_situations,
+        "plant": asdict(contest.tuned_on),
         "yield_asked_mm": contest.yielding,
         "versions": versions(("tpsim", "mujoco", "pin", "numpy", "scipy")),
         "command": command or f"tpsim.study.tuning.tune(study, trials={trials}, seed={seed})",
@@ -210,6 +211,7 @@ def _judged(task: Task, contest: Contest, conditions: Sequence[Condition], job: 
                 controller=expert(task.stage, {}, condition.situation),
                 people=condition.people,
                 duration=condition.duration,
+                plant=condition.plant,
             )
             records.add(condition, trial)
     figures = contest.figures(records.select(contest.pushed, "tried"))

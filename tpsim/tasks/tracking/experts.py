@@ -22,7 +22,7 @@ from tpsim.task.task import Situation, Task
 from tpsim.tasks.tracking.body import SIDES
 from tpsim.tasks.tracking.carousel import SECONDS, VIAS
 from tpsim.tasks.tracking.measures import both, distance
-from tpsim.tasks.tracking.task import HANDS, Tracking
+from tpsim.tasks.tracking.task import HANDS, Tracking, behaviour
 from tpsim.world.people.push import Push
 from tpsim.world.world import World
 
@@ -138,6 +138,7 @@ def contest(task: Tracking) -> Contest | None:
         duration=APART + 1.5,
         tuning_situations=1,
         counts=lambda push: push.body == second,
+        without=[behaviour(one) for one in task.taught],
     )
 
 

@@ -10,6 +10,8 @@ from tqdm import tqdm
 
 from tpsim.errors import RecordingError
 from tpsim.section8.families import FAMILIES
+from tpsim.section8.fingerprint import fingerprint, mathematics
+from tpsim.section8.measures import measure
 from tpsim.section8.method import Method
 from tpsim.section8.plan import Plan
 from tpsim.section8.trial import Trial, perform
@@ -37,14 +39,16 @@ def run(
     progress
         Show a bar on standard error.
     """
-    done = {cell: _stored(plan, methods, folder, cell) for cell in plan.cells()}
+    known = fingerprint([methods, FAMILIES, measure, mathematics()])
+    keys = {cell: plan.key(cell, known) for cell in plan.cells()}
+    done = {cell: _stored(folder, cell, key) for cell, key in keys.items()}
     todo = [cell for cell, trial in done.items() if trial is None]
     performed = _performed(plan, methods, todo, workers)
     kept = len(done) - len(todo)
     for cell, trial in tqdm(
         performed, "compare", len(done), initial=kept, disable=not progress, unit="cell"
     ):
-        trial.save(_file(folder, cell), plan.key(cell, methods))
+        trial.save(_file(folder, cell), keys[cell])
         done[cell] = trial
     return {cell: trial for cell, trial in done.items() if trial is not None}
 
@@ -91,12 +95,12 @@ def _in_process(cell: Cell) -> Trial:
     return perform_cell(*_work, cell)
 
 
-def _stored(plan: Plan, methods: Mapping[str, Method], folder: Path, cell: Cell) -> Trial | None:
+def _stored(folder: Path, cell: Cell, key: str) -> Trial | None:
     path = _file(folder, cell)
     if not path.is_file():
         return None
     try:
-        return Trial.load(path, plan.key(cell, methods))
+        return Trial.load(path, key)
     except (RecordingError, KeyError):
         return None
 

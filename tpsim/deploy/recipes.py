@@ -17,6 +17,7 @@ from tpsim.controllers.timed_intervention import TimedIntervention
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import TPGMM
+from tpsim.retrieval.tp_gmr import Order
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.view import View
@@ -142,6 +143,7 @@ class TimedRecipe(_Held):
 
     skill: WrittenSkill
     until: float
+    order: Order
 
     def seen(self) -> Iterator[tuple[View, int]]:
         """Views and dimensions of the prior and of the skill, where time comes before them."""
@@ -157,6 +159,7 @@ class TimedRecipe(_Held):
             prior=self._prior(start),
             period=self.lasts,
             timestep=period,
+            order=self.order,
         )
 
 
@@ -234,7 +237,7 @@ def recipe_of(controller: object, period: float) -> Recipe:
     if isinstance(controller, TimedIntervention) and kind is TimedIntervention:
         lasts, timed = controller.every * period, controller
         skill = WrittenSkill.of(timed.skill)
-        return TimedRecipe(lasts, timed.effort, timed.prior, False, skill, timed.until)
+        return TimedRecipe(lasts, timed.effort, timed.prior, False, skill, timed.until, timed.order)
     if isinstance(controller, FiniteHorizon) and kind is FiniteHorizon:
         f = controller
         parts = f.objects, f.movements, f.posture, f.joints, f.site, f.dt, f.effort

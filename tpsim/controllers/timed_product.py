@@ -62,7 +62,7 @@ class TimedProduct:
         return mixed_moments(weights, Gaussian.trusted((covariance @ target)[..., 0], covariance))
 
     def _at(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Weights (K,), precision (K, m, m) and mean (K, m) of what all frames retrieve at a time."""
+        """Weights (K,), precision (K, m, m), mean (K, m) of what all frames retrieve at a time."""
         assert self._known is not None
         step = int(np.searchsorted(self._times, time - 1e-9))
         known = step < len(self._times) and abs(self._times[step] - time) <= 1e-9

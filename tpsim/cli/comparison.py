@@ -23,6 +23,8 @@ class Compare(Command):
     """Methods of your own beside the others: from demonstrations to a function of frames."""
     data: Path | None = None
     """Demonstrations of your own: each is left out once and predicted by the others."""
+    closed_loop: bool = False
+    """Carry the movements out on simulated arms, too: a planar one and Baxter's, pushed."""
     seed: int = 0
     """Seed of the first teacher."""
     workers: int | None = None
@@ -39,6 +41,11 @@ class Compare(Command):
             raise ArgumentError(f"--folder {self.folder} is a file; give a new or empty folder")
         if self.data is not None and not self.data.exists():
             raise ArgumentError(f"--data {self.data} does not exist; give a file or a folder")
+        if self.data is not None and self.closed_loop:
+            raise ArgumentError(
+                "--closed-loop needs a teacher's movement in new situations, which --data has not; "
+                "give one of both"
+            )
 
     def execute(self) -> Answer:
         """Measure all methods, or go on where it stopped."""
@@ -57,6 +64,11 @@ class Compare(Command):
             taught = list(read(self.data))
             result = compare_left_out(taught, methods, folder=folder, command=self._line())
         else:
+            arms = {}
+            if self.closed_loop:
+                from tpsim.section8 import closed_loop
+
+                arms = closed_loop.QUICK if self.quick else closed_loop.PLANS
             result = compare(
                 methods,
                 QUICK if self.quick else Plan(),
@@ -65,12 +77,14 @@ class Compare(Command):
                 workers=self.workers or cores(),
                 progress=sys.stderr.isatty(),
                 command=self._line(),
+                arms=arms,
             )
         return result if self.json else short(result)
 
     def _line(self) -> str:
         """Return the command line that repeats the comparison."""
         words = ["tpsim", "compare", *(["--quick"] if self.quick else [])]
+        words += ["--closed-loop"] if self.closed_loop else []
         words += ["--method", *self.method] if self.method else []
         words += ["--data", str(self.data)] if self.data else []
         words += ["--seed", str(self.seed)] if self.seed else []

@@ -4,7 +4,7 @@ import functools
 import hashlib
 import inspect
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import FunctionType, MethodType
 
@@ -32,10 +32,10 @@ def fingerprint(value: object) -> str:
     return hashlib.sha256(json.dumps(_parts(value, frozenset())).encode()).hexdigest()
 
 
-def mathematics() -> str:
-    """SHA-256 of the source of tpsim's mathematics, which all methods call."""
+def mathematics(more: Sequence[str] = ()) -> str:
+    """SHA-256 of the source of tpsim's mathematics, which all methods call, and of more rooms."""
     package = Path(tpsim.__file__).parent
-    rooms = (package, *(package / room for room in MATHEMATICS))
+    rooms = (package, *(package / room for room in (*MATHEMATICS, *more)))
     texts = [path.read_bytes() for room in rooms for path in sorted(room.glob("*.py"))]
     return hashlib.sha256(b"".join(texts)).hexdigest()
 

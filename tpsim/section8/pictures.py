@@ -126,3 +126,21 @@ def _curves(
             loc="center left", bbox_to_anchor=(1, 0.5), frameon=False, fontsize=8, labelcolor=INK
         )
     return figure
+
+
+def on_arms(closed: Mapping[str, Results]) -> Figure:
+    """Draw how far the hand was from the teacher's path, a panel per arm, with 95 % intervals."""
+    names = next(iter(closed.values())).methods
+    figure, panels = new_figure(height=0.19 * len(names) + 0.9, columns=len(closed))
+    rows = np.arange(len(names))
+    for axis, (arm, results) in zip(panels, closed.items(), strict=True):
+        family, count = results.headline
+        for distance, colour in zip(results.plan.distances, COLOURS, strict=False):
+            e = results.estimate(family, count, distance, "rms")
+            axis.hlines(rows, e.low, e.high, color=colour, lw=1.6, alpha=0.6)
+            axis.plot(e.mean, rows, "o", color=colour, ms=4, label=f"{distance:g} x the spread")
+        axis.set(xscale="log", xlabel="rms [mm]", yticks=rows, ylim=(len(names) - 0.5, -0.5))
+        axis.set_yticklabels(names, fontsize=7)
+        axis.set_title(arm, fontsize=9, color=INK)
+        axis.legend(frameon=False, fontsize=7, labelcolor=INK)
+    return figure

@@ -3,9 +3,12 @@
 import hashlib
 import itertools
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 from tpsim.section8.families import FAMILIES
+
+Cell = tuple[str, int, int]
+"""Family, number of demonstrations, and seed of the teacher."""
 
 
 @dataclass(frozen=True)
@@ -29,16 +32,20 @@ class Plan:
     situations: int = 30
     samples: int = 100
 
-    def cells(self) -> list[tuple[str, int, int]]:
+    def cells(self) -> list[Cell]:
         """Family, number of demonstrations and seed of every cell."""
         return list(itertools.product(self.families, self.counts, self.seeds))
 
-    def key(self, cell: tuple[str, int, int], code: str) -> str:
+    def from_seed(self, seed: int) -> "Plan":
+        """The same with other teachers: ``seed`` is added to their seeds."""
+        return replace(self, seeds=tuple(seed + each for each in self.seeds))
+
+    def key(self, cell: Cell, code: str) -> str:
         """Words that change with anything that a cell's results depend on.
 
         Parameters
         ----------
-        cell : family, number of demonstrations and seed
+        cell : Cell
         code : str
             :func:`~tpsim.section8.fingerprint.fingerprint` of what is run, once for all cells.
         """

@@ -1,9 +1,10 @@
 """All methods on the same demonstrations and the same situations; a failure is a row."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,9 @@ from tpsim.section8.method import Method, Path, Retrieve
 
 KIND = "comparison of methods"
 
+Measured = Callable[[Path, Any], Mapping[str, float]]
+"""Figures of a movement that was retrieved in a situation."""
+
 
 @dataclass(frozen=True, eq=False)
 class Trial:
@@ -25,7 +29,7 @@ class Trial:
     ----------
     methods : (m,) names
     figures : (m, n, f)
-        Figures of :data:`FIGURES` in n situations; NaN where a method failed or has no such.
+        Figures in n situations; NaN where a method failed or has no such.
     train_ms, adapt_us : (m,)
         Processor time of learning, and of one retrieval (median).
     parameters : (m,)
@@ -70,10 +74,17 @@ class Trial:
         )
 
 
+def of_path(path: Path, situation: Situation) -> dict[str, float]:
+    """Figures of :data:`FIGURES`: of the retrieved movement itself."""
+    return measure(path, situation.truth, situation.drawn)
+
+
 def perform(
     methods: Mapping[str, Method],
     demonstrations: Sequence[Demonstration],
     situations: Sequence[Situation],
+    measured: Measured = of_path,
+    figures: Sequence[str] = tuple(FIGURES),
 ) -> Trial:
     """Learn with every method and retrieve in every situation.
 
@@ -85,8 +96,13 @@ def perform(
         On one clock.
     situations
         With the teacher's own movement, at the same times.
+    measured
+        What is measured of a movement in a situation.
+    figures
+        The names that it gives.
     """
-    rows = [_row(method, list(demonstrations), situations) for method in methods.values()]
+    taught = list(demonstrations)
+    rows = [_row(m, taught, situations, measured, figures) for m in methods.values()]
     return Trial(
         tuple(methods),
         np.array([row.figures for row in rows]),
@@ -124,9 +140,13 @@ def retrieved(retrieve: Retrieve, situation: Situation) -> tuple[Path | None, st
 
 
 def _row(
-    method: Method, demonstrations: list[Demonstration], situations: Sequence[Situation]
+    method: Method,
+    demonstrations: list[Demonstration],
+    situations: Sequence[Situation],
+    measured: Measured,
+    names: Sequence[str],
 ) -> _Row:
-    figures = np.full((len(situations), len(FIGURES)), np.nan)
+    figures = np.full((len(situations), len(names)), np.nan)
     start = time.process_time()
     retrieve, reason = learn(method, demonstrations)
     train_ms = 1e3 * (time.process_time() - start)
@@ -139,7 +159,8 @@ def _row(
         took.append(1e6 * (time.process_time() - start))
         if path is not None:
             try:
-                figures[n] = list(measure(path, situation.truth, situation.drawn).values())
+                found = measured(path, situation)
+                figures[n] = [found[name] for name in names]
             except Exception as error:  # what it returned may be no movement at all
                 reason = _reason(error)
         reasons.append(reason)

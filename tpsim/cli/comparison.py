@@ -23,6 +23,8 @@ class Compare(Command):
     """Methods of your own beside the others: from demonstrations to a function of frames."""
     data: Path | None = None
     """Demonstrations of your own: each is left out once and predicted by the others."""
+    frames: tuple[str, ...] = ()
+    """Objects in the files of --data that movements are seen from, as in `tpsim learn`."""
     closed_loop: bool = False
     """Carry the movements out on simulated arms, too: a planar one and Baxter's, pushed."""
     seed: int = 0
@@ -41,6 +43,10 @@ class Compare(Command):
             raise ArgumentError(f"--folder {self.folder} is a file; give a new or empty folder")
         if self.data is not None and not self.data.exists():
             raise ArgumentError(f"--data {self.data} does not exist; give a file or a folder")
+        if self.frames and self.data is None:
+            raise ArgumentError(
+                f"--frames {' '.join(self.frames)} are objects in the files of --data; give both"
+            )
         if self.data is not None and self.closed_loop:
             raise ArgumentError(
                 "--closed-loop needs a teacher's movement in new situations, which --data has not; "
@@ -59,9 +65,10 @@ class Compare(Command):
         kind = "data" if self.data else "quick" if self.quick else "full"
         folder = self.folder or paths.runs() / f"compare-{kind}-seed-{self.seed}"
         if self.data is not None:
-            from tpsim.data import read
+            from tpsim import data
 
-            taught = list(read(self.data))
+            columns = [data.Columns(frames=self.frames)] if self.frames else []
+            taught = list(data.read(self.data, *columns))
             result = compare_left_out(taught, methods, folder=folder, command=self._line())
         else:
             arms = {}
@@ -87,5 +94,6 @@ class Compare(Command):
         words += ["--closed-loop"] if self.closed_loop else []
         words += ["--method", *self.method] if self.method else []
         words += ["--data", str(self.data)] if self.data else []
+        words += ["--frames", *self.frames] if self.frames else []
         words += ["--seed", str(self.seed)] if self.seed else []
         return shlex.join(words)

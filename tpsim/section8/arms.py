@@ -9,9 +9,11 @@ import numpy as np
 from tpsim import rotation
 from tpsim.demonstration import Demonstration
 from tpsim.frame import Frame
+from tpsim.learning.dtw import align
 from tpsim.retrieval.clock import on_one_clock
 from tpsim.robot.views.sites import Site
 from tpsim.section8.families import FAMILIES, Situation
+from tpsim.task.task import Situation as TaskSituation
 from tpsim.task.task import draw_situation
 from tpsim.task.verbs import teach
 from tpsim.tasks.robots import on_the_floor, planar3
@@ -100,7 +102,7 @@ class Arm(ABC):
 
     @abstractmethod
     def demonstrations(self, count: int, samples: int, seed: int) -> list[Demonstration]:
-        """Demonstrations of one teacher, on one clock."""
+        """Demonstrations of one teacher, in step and on one clock."""
 
     @abstractmethod
     def situations(self, count: int, spread: float, samples: int, seed: int) -> list[ArmSituation]:
@@ -190,16 +192,18 @@ class BaxterArm(Arm):
     def demonstrations(self, count: int, samples: int, seed: int) -> list[Demonstration]:
         """The weightless arm is led, as in the task ``transfer``."""
         (taught,) = teach(self._task, count, seed).values()
-        return on_one_clock([self._seen(trial) for trial in taught], samples)
+        seen = on_one_clock([self._seen(trial) for trial in taught], samples)
+        return align(seen, by="frames", band=self._task.warp * samples)
 
     def situations(self, count: int, spread: float, samples: int, seed: int) -> list[ArmSituation]:
         """Docks that were never taught; ``spread`` above 1 is twice as far as taught."""
         draw = partial(self._task.situation, far=spread > 1)
-        return [self._situation(draw, samples, seed, index) for index in range(count)]
+        found = [draw_situation(self._task, seed, index, draw) for index in range(count)]
+        return [self._shown(situation, samples) for situation in found]
 
-    def _situation(self, draw, samples: int, seed: int, index: int) -> ArmSituation:  # type: ignore[no-untyped-def]
-        found = draw_situation(self._task, seed, index, draw)
-        rng = _stream(seed, index)
+    def _shown(self, found: TaskSituation, samples: int) -> ArmSituation:
+        """A situation with the movement that the teacher shows there."""
+        rng = _stream(found.seed, found.index)
         placed = docks.at_start(found.objects)
         lesson = lesson_between(self.world, placed, np.array(found.start), rng)
         shown = demonstrate(self.world, lesson, self._task.sites())

@@ -17,11 +17,12 @@ CAPTIONS = {
 }
 
 CLOSED = (
-    "What methods retrieve, carried out by the same LQT and impedance on {title}. In mm: rms of "
-    "the hand from the teacher's path over time [95 % bootstrap intervals], end of the trial; at "
-    "the farthest distance: end after a push of {force:g} N, rms of the hand from what was "
-    "retrieved (tracking), how far the push moved the hand (yield), and the share of time steps "
-    "with a motor at its limit [%]. Of {trials} situations: refused by the method, or diverged."
+    "What methods retrieve, carried out by the same LQT and impedance on {title}. In mm: "
+    "distance of the hand's path from the teacher's, rms [95 % bootstrap intervals], and of its "
+    "end; at the farthest distance: end after a push of {force:g} N, rms over time of the hand "
+    "from what was retrieved (tracking), how far the push moved the hand (yield), and the share of "
+    "time steps with a motor at its limit [%]. Of {trials} situations: refused by the method, or "
+    "diverged."
 )
 
 READING = (

@@ -1,6 +1,7 @@
 """A movement retrieved from moving frames: the product and GMR of the library, as torque."""
 
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.pose import Pose
-from tpsim.retrieval.gmr import gmr
+from tpsim.retrieval.tp_gmr import Order, tp_gmr
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Object, Site
@@ -58,27 +59,42 @@ def at(robot):
     return robot.at(robot.home, [0.2, -0.1, 0.3], OBJECTS)
 
 
-def expected(state, skill, time):
-    """The same Gaussian of the posture by TPGMM.adapt over Table 3 and gmr."""
+def expected(state, skill, time, order):
+    """The same Gaussian of the posture by tp_gmr over the frames of Table 3."""
     frames = []
     for view in skill.views.values():
         seen = view(state)
         frame = projection.absolute(seen.jacobian, state.q, seen.value)
-        frames.append(frame.with_input())
-    return gmr(skill.model.adapt(frames), [time])
+        frames.append(frame)
+    return tp_gmr(skill.model, frames, [time], order=order)
 
 
+@pytest.mark.parametrize("order", get_args(Order))
 @pytest.mark.parametrize("time", [0.0, 0.7, 1.9, 3.0])
-def test_the_impedance_is_that_of_the_adapted_mixture(planar3_world, skill, time):
+def test_the_impedance_is_that_of_the_movement_in_the_order_named(
+    planar3_world, skill, time, order
+):
     state = at(with_speed(planar3_world, None))
-    now = TimedIntervention(skill, effort=EFFORT, until=2.5).command(state, time)
-    goal = expected(state, skill, min(time, 2.5))
+    now = TimedIntervention(skill, effort=EFFORT, until=2.5, order=order).command(state, time)
+    goal = expected(state, skill, min(time, 2.5), order)
     np.testing.assert_allclose(now.reference, goal.mean[0], atol=1e-4)
     # K solves K M^-1 K = Lambda / r, the optimum of the double integrator with inertia M.
     K, D, inverse_mass = now.stiffness, now.damping, np.linalg.inv(state.mass)
     precision = np.linalg.inv(goal.covariance[0])
     np.testing.assert_allclose(K @ inverse_mass @ K, precision / EFFORT, rtol=1e-4, atol=1e-3)
     np.testing.assert_allclose(D @ inverse_mass @ D, 2 * K, rtol=1e-6, atol=1e-8)
+
+
+def test_precisions_are_pooled_unless_another_order_is_named(planar3_world, skill):
+    state = at(with_speed(planar3_world, None))
+    named = [
+        TimedIntervention(skill, effort=EFFORT, until=2.5, **order).command(state, 0.7).stiffness
+        for order in ({}, {"order": "pooled"}, {"order": "product"})
+    ]
+    np.testing.assert_array_equal(named[0], named[1])
+    assert np.abs(named[2] - named[0]).max() > 0.1
+    with pytest.raises(ArgumentError, match="order is 'first'"):
+        TimedIntervention(skill, effort=EFFORT, until=2.5, order="first")
 
 
 def test_far_from_its_reference_no_more_speed_is_asked_than_joints_have(planar3_world, skill):

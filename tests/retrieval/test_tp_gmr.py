@@ -1,5 +1,7 @@
 """Orders of regression and product over frames, and how a product pulls components in time."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 
@@ -17,8 +19,9 @@ from tpsim import (
 )
 from tpsim.errors import ArgumentError
 from tpsim.examples import u_demonstrations, u_frames
+from tpsim.retrieval.tp_gmr import Order
 
-ORDERS = ("regression", "product", "held")
+ORDERS = get_args(Order)
 TIMES = np.linspace(0.0, 2.0, 30)
 
 
@@ -114,6 +117,36 @@ def test_regression_is_the_product_of_the_regressions():
     np.testing.assert_allclose(ours.mean, fuse_frames(local, frames).mean)
 
 
+def test_pooled_components_minimise_the_expected_cost():
+    """The gradient of sum_i h_i (x - x_i)' Lambda_i (x - x_i), over all frames, is zero there."""
+    model, frames = a_model(), two_frames(far=3.0)
+    path = tp_gmr(model, frames, TIMES, order="pooled")
+    gradient, curvature = np.zeros((len(TIMES), 2)), np.zeros((len(TIMES), 2, 2))
+    for view, frame in zip(model.frames, frames, strict=True):
+        weights, local = gmr_mixture(GMM(model.priors, view), TIMES)
+        seen = local.affine(frame.A, frame.b)
+        cost = weights[..., None, None] * seen.precision
+        gradient += np.einsum("tkij,tkj->ti", cost, path.mean[:, None] - seen.mean)
+        curvature += cost.sum(1)
+    np.testing.assert_allclose(gradient, 0, atol=1e-9)
+    np.testing.assert_allclose(path.precision, curvature, rtol=1e-9, atol=1e-9)
+
+
+def test_a_vague_component_does_not_drown_a_precise_one_that_is_pooled():
+    """Half way between two components: moments give half the vague variance, pooling twice the
+    precise one."""
+    times, variances = np.array([0.5, 1.5]), np.array([1e-4, 1.0])
+    covariance = np.zeros((2, 2, 2))
+    covariance[:, 0, 0], covariance[:, 1, 1] = 0.05, variances
+    model = TPGMM([0.5, 0.5], [Gaussian(np.column_stack([times, [0.0, 0.0]]), covariance)])
+    moments, pooled = (
+        tp_gmr(model, [Frame(np.eye(1), [0.0])], [1.0], order=order).covariance[0, 0, 0]
+        for order in ("regression", "pooled")
+    )
+    assert moments == pytest.approx(variances.mean(), rel=1e-9)
+    assert pooled == pytest.approx(1 / np.mean(1 / variances), rel=1e-9)
+
+
 def test_far_away_the_product_first_loses_the_goal():
     """On the tutorial's own task the last component is pulled away: the end is missed by metres."""
     demonstrations = [d.with_time() for d in u_demonstrations(4, 60, np.random.default_rng(3))]
@@ -131,6 +164,7 @@ def test_far_away_the_product_first_loses_the_goal():
     assert np.max(pulls) > 3  # standard deviations in time
     assert max(errors["regression"]) < 0.03
     assert max(errors["held"]) < 0.03
+    assert max(errors["pooled"]) < 0.03
     assert max(errors["product"]) > 1.0
 
 
@@ -146,9 +180,11 @@ def test_frames_may_be_lifted_missing_or_moving(order):
     still = tp_gmr(model, moving, TIMES, order=order)
     np.testing.assert_allclose(still.mean, plain.mean, atol=1e-10)
     alone = tp_gmr(model, [frames[0], None], TIMES, order=order)
-    np.testing.assert_allclose(
-        alone.mean, gmr(GMM(model.priors, model.frames[0]), TIMES).mean, atol=1e-9
-    )
+    only = tp_gmr(TPGMM(model.priors, model.frames[:1]), frames[:1], TIMES, order=order)
+    np.testing.assert_allclose(alone.mean, only.mean, atol=1e-9)
+    if order != "pooled":
+        known = gmr(GMM(model.priors, model.frames[0]), TIMES)
+        np.testing.assert_allclose(alone.mean, known.mean, atol=1e-9)
 
 
 def test_inputs_may_be_any_dimension():

@@ -2,8 +2,6 @@
 
 import csv
 import json
-import sys
-import types
 
 import numpy as np
 import pytest
@@ -76,7 +74,7 @@ def test_everything_is_written(compared):
         assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-def test_goes_on_where_it_was_cut_off(compared, monkeypatch):
+def test_goes_on_where_it_was_cut_off(compared):
     folder = compared[1]
     cells = sorted((folder / "cells").iterdir())
     assert len(cells) == len(SMALL.cells())
@@ -84,19 +82,21 @@ def test_goes_on_where_it_was_cut_off(compared, monkeypatch):
     cells[0].unlink()
     cells[1].unlink()
     done = []
-    monkeypatch.setattr(
-        "tpsim.section8.run.perform_cell", lambda plan, methods, cell: done.append(cell) or kept
-    )
-    run(SMALL, METHODS_HERE, folder)
+
+    def perform(plan, methods, cell):
+        done.append(cell)
+        return kept
+
+    run(SMALL, METHODS_HERE, folder, performed_by=perform)
     assert len(done) == 2
     for wrong in (cells[2].read_bytes(), cells[1].read_bytes()[:100]):
         cells[1].write_bytes(wrong)
         with pytest.raises(RecordingError, match=f"{cells[1].name}.*delete it"):
-            run(SMALL, METHODS_HERE, folder)
+            run(SMALL, METHODS_HERE, folder, performed_by=perform)
     cells[1].unlink()
-    run(SMALL, METHODS_HERE, folder)
+    run(SMALL, METHODS_HERE, folder, performed_by=perform)
     assert len(done) == 3
-    run(SMALL, {**METHODS_HERE, "TP-LWR": METHODS["TP-GP"]}, folder)
+    run(SMALL, {**METHODS_HERE, "TP-LWR": METHODS["TP-GP"]}, folder, performed_by=perform)
     assert len(done) == 3 + len(SMALL.cells())
     assert len(list((folder / "cells").iterdir())) == 2 * len(SMALL.cells())
 
@@ -160,8 +160,11 @@ def test_bad_demonstrations_are_refused():
     taught = u_demonstrations(2, 20)
     with pytest.raises(ArgumentError, match="at least 2"):
         leave_one_out(taught[:1])
-    with pytest.raises(ArgumentError, match="no frames"):
-        leave_one_out([taught[0], Demonstration([0, 1], np.zeros((2, 2)))])
+    bare = Demonstration([0, 1], np.zeros((2, 2)))
+    with pytest.raises(ArgumentError, match=r"no frames.*--frames"):
+        leave_one_out([bare, bare])
+    with pytest.raises(ArgumentError, match="same frames: demonstration 2 has 0 of 2; leave"):
+        leave_one_out([taught[0], bare])
     third = Demonstration(
         taught[1].time, taught[1].data, [*taught[1].frames, Frame(np.eye(2), [0, 0])]
     )
@@ -211,9 +214,7 @@ def test_the_command_prints_a_line_for_every_method(tmp_path, monkeypatch, capsy
 
 def test_the_command_reads_demonstrations_of_ones_own(tmp_path, monkeypatch, capsys):
     """Whatever reads them: here a stand-in for tpsim.data."""
-    reader = types.ModuleType("tpsim.data")
-    reader.read = lambda path: u_demonstrations(3, 20)
-    monkeypatch.setitem(sys.modules, "tpsim.data", reader)
+    monkeypatch.setattr("tpsim.data.read", lambda path: u_demonstrations(3, 20))
     monkeypatch.setattr(
         "tpsim.section8.methods.with_methods_from", lambda specifications: METHODS_HERE
     )
@@ -222,3 +223,33 @@ def test_the_command_reads_demonstrations_of_ones_own(tmp_path, monkeypatch, cap
     result = json.loads(capsys.readouterr().out)
     assert result["demonstrations"] == 3
     assert result["methods"]["TP-LWR"]["rms"] > 0
+
+
+def test_objects_in_a_table_are_frames(tmp_path, monkeypatch, capsys):
+    """The same comparison from CSV, the objects named, as from the demonstrations themselves."""
+    taught = u_demonstrations(3, 20)
+    table = tmp_path / "data"
+    table.mkdir()
+    for m, d in enumerate(taught):
+        poses = [[*f.b, np.arctan2(f.A[1, 0], f.A[0, 0])] for f in d.frames]
+        held = np.tile(np.ravel(poses), (len(d), 1))
+        heads = [
+            "time",
+            "x",
+            "y",
+            *(f"{o}_{c}" for o in ("cup", "box") for c in ("x", "y", "angle")),
+        ]
+        rows = np.column_stack([d.time, d.data, held])
+        np.savetxt(table / f"{m}.csv", rows, delimiter=",", header=",".join(heads), comments="")
+    monkeypatch.setattr(
+        "tpsim.section8.methods.with_methods_from", lambda specifications: METHODS_HERE
+    )
+    words = ["compare", "--data", str(table), "--folder", str(tmp_path / "out"), "--json"]
+    assert main([*words, "--frames", "cup", "box"]) == 0
+    found = json.loads(capsys.readouterr().out)["methods"]["TP-LWR"]["rms"]
+    straight = leave_one_out(taught, {"TP-LWR": METHODS["TP-LWR"]})
+    assert found == pytest.approx(np.sqrt(np.mean([t.figures[0, 0, 0] ** 2 for t in straight])))
+    assert main(words) == 2
+    assert "--frames" in capsys.readouterr().err
+    assert main(["compare", "--frames", "cup"]) == 2
+    assert "--data; give both" in capsys.readouterr().err

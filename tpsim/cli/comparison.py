@@ -23,6 +23,10 @@ class Compare(Command):
     """Methods of your own beside the others: from demonstrations to a function of frames."""
     data: Path | None = None
     """Demonstrations of your own: each is left out once and predicted by the others."""
+    frames: tuple[str, ...] = ()
+    """Objects in the files of --data that movements are seen from, as in `tpsim learn`."""
+    closed_loop: bool = False
+    """Carry the movements out on simulated arms, too: a planar one and Baxter's, pushed."""
     seed: int = 0
     """Seed of the first teacher."""
     workers: int | None = None
@@ -38,6 +42,15 @@ class Compare(Command):
         writable("--folder", self.folder)
         if self.data is not None and not self.data.exists():
             raise ArgumentError(f"--data {self.data} does not exist; give a file or a folder")
+        if self.frames and self.data is None:
+            raise ArgumentError(
+                f"--frames {' '.join(self.frames)} are objects in the files of --data; give both"
+            )
+        if self.data is not None and self.closed_loop:
+            raise ArgumentError(
+                "--closed-loop needs a teacher's movement in new situations, which --data has not; "
+                "give one of both"
+            )
 
     def execute(self) -> Answer:
         """Measure all methods, or go on where it stopped."""
@@ -51,11 +64,17 @@ class Compare(Command):
         kind = "data" if self.data else "quick" if self.quick else "full"
         folder = self.folder or paths.runs() / f"compare-{kind}-seed-{self.seed}"
         if self.data is not None:
-            from tpsim.data import read
+            from tpsim import data
 
-            taught = list(read(self.data))
+            columns = [data.Columns(frames=self.frames)] if self.frames else []
+            taught = list(data.read(self.data, *columns))
             result = compare_left_out(taught, methods, folder=folder, command=self._line())
         else:
+            arms = {}
+            if self.closed_loop:
+                from tpsim.section8 import closed_loop
+
+                arms = closed_loop.QUICK if self.quick else closed_loop.PLANS
             result = compare(
                 methods,
                 QUICK if self.quick else Plan(),
@@ -64,13 +83,16 @@ class Compare(Command):
                 workers=self.workers or cores(),
                 progress=sys.stderr.isatty(),
                 command=self._line(),
+                arms=arms,
             )
         return result if self.json else short(result)
 
     def _line(self) -> str:
         """Return the command line that repeats the comparison."""
         words = ["tpsim", "compare", *(["--quick"] if self.quick else [])]
+        words += ["--closed-loop"] if self.closed_loop else []
         words += ["--method", *self.method] if self.method else []
         words += ["--data", str(self.data)] if self.data else []
+        words += ["--frames", *self.frames] if self.frames else []
         words += ["--seed", str(self.seed)] if self.seed else []
         return shlex.join(words)

@@ -17,6 +17,7 @@ from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.free_movement import Relevance
 from tpsim.learning.tp_gmm import TPGMM
+from tpsim.retrieval.tp_gmr import Order
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.view import View
@@ -171,6 +172,7 @@ class TimedRecipe(_Held):
     effort: float
     skill: WrittenSkill
     until: float
+    order: Order
 
     def seen(self) -> Iterator[tuple[View, int]]:
         """Views and dimensions of the prior and of the skill, where time comes before them."""
@@ -186,6 +188,7 @@ class TimedRecipe(_Held):
             prior=self._prior(start),
             period=self.lasts,
             timestep=period,
+            order=self.order,
         )
 
 
@@ -264,8 +267,8 @@ def recipe_of(controller: object, period: float) -> Recipe:
     if isinstance(controller, TimedIntervention) and kind is TimedIntervention:
         timed = controller
         skill = WrittenSkill.of(timed.skill)
-        lasts = timed.every * period
-        return TimedRecipe(lasts, timed.prior, False, timed.effort, skill, timed.until)
+        lasts, until, order = timed.every * period, timed.until, timed.order
+        return TimedRecipe(lasts, timed.prior, False, timed.effort, skill, until, order)
     if isinstance(controller, FiniteHorizon) and kind is FiniteHorizon:
         f = controller
         parts = f.objects, f.movements, f.posture, f.joints, f.site, f.dt, f.effort

@@ -1,6 +1,6 @@
 """Regression with a task-parameterized mixture: before, after, or inside the product over frames.
 
-The three orders share one conditional. Given the input t, the product over frames of component i
+The orders share one conditional. Given the input t, the product over frames of component i
 (Eqs 5-6) and the product of its regressions in every frame are the same Gaussian. What differs
 is how much each component counts at t. In the product of the joint densities over [t, x] the
 weight of component i becomes
@@ -23,13 +23,13 @@ from tpsim.border import NotNegative, Number, border
 from tpsim.checks import finite_array
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
-from tpsim.gaussian import Gaussian, add_ridge, match_moments
+from tpsim.gaussian import Gaussian, add_ridge, inverse_spd, match_moments
 from tpsim.learning.gmm import GMM
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.retrieval.fusion import fuse_frames
 from tpsim.retrieval.gmr import Regression, gmr
 
-Order = Literal["regression", "product", "held"]
+Order = Literal["regression", "product", "held", "pooled"]
 
 
 @border
@@ -59,7 +59,11 @@ def tp_gmr(
         ``"regression"``: regression in every frame, then the product over frames at equal input.
         ``"product"``: Eqs 5-6 first, then regression, as the tutorial's text and benchmarks; the
         frames may then pull components in time. ``"held"``: the product of every component with
-        its input held where it was learned, then the mixture of the components.
+        its input held where it was learned, then the mixture of the components. ``"pooled"``: as
+        regression, but every frame adds up the precisions of its components instead of matching
+        the moments of their mixture, x minimising the expected cost
+        ``sum_i h_i (x - x_i)^T Lambda_i (x - x_i)``: a precise component is not drowned by a vague
+        one, and the covariance is too narrow for a distribution.
     ridge
         Added to the diagonal of the output covariance (Eq. 8).
 
@@ -83,46 +87,76 @@ def tp_gmr(
             for frame, d in zip(frames, tpgmm.dims, strict=True)
         ]
         return gmr(tpgmm.adapt(lifted), inputs, given, ridge=ridge)
-    observed = [
-        None if frame is None else _outputs(frame, dim, given)
-        for frame, dim in zip(frames, tpgmm.dims, strict=True)
-    ]
-    views = [Regression.of(GMM(tpgmm.priors, local), given) for local in tpgmm.frames]
-    if order == "regression":
-        path = fuse_frames([view(inputs) for view in views], observed)
-    else:
-        path = _held(views, observed, inputs)
+    seen = [(frame, local) for frame, local in zip(frames, tpgmm.frames, strict=True) if frame]
+    observed = [_outputs(frame, local.dim, given) for frame, local in seen]
+    views = [Regression.of(GMM(tpgmm.priors, local), given) for _, local in seen]
+    path = match_moments(*_fused(*at_equal_input(views, inputs, order), observed))
     return Gaussian.trusted(path.mean, add_ridge(path.covariance, ridge)) if ridge else path
 
 
-def _held(
-    views: Sequence[Regression], frames: Sequence[Frame | None], inputs: ArrayLike
-) -> Gaussian:
-    """Product over frames of every component, weighted as the inputs were learned."""
+def at_equal_input(
+    views: Sequence[Regression], inputs: ArrayLike, order: Order
+) -> tuple[NDArray, list[Gaussian]]:
+    """What every frame retrieves before their product, in the orders that hold the inputs.
+
+    Parameters
+    ----------
+    views
+        The model's regression in each of P frames.
+    inputs
+        (T, I), or (T,) when there is one.
+    order
+        ``"regression"``, ``"pooled"``: one Gaussian a frame, with all components in it.
+        ``"held"``: one for every component, which counts as in the frames' own regressions.
+
+    Returns
+    -------
+    weights (T, K) of the products, and P Gaussians (T, K, d_j); K is 1 unless held.
+    """
+    if order in ("regression", "pooled"):
+        single = [
+            view(inputs) if order == "regression" else _pooled(view, inputs) for view in views
+        ]
+        local = [
+            Gaussian.trusted(g.mean[..., None, :], g.covariance[..., None, :, :]) for g in single
+        ]
+        return np.ones(local[0].mean.shape[:-1]), local
     modes = [view.mixture(inputs) for view in views]
-    weights = np.mean(
-        [h for (h, _), frame in zip(modes, frames, strict=True) if frame is not None], axis=0
-    )
+    return np.mean([h for h, _ in modes], axis=0), [local for _, local in modes]
+
+
+def _pooled(view: Regression, inputs: ArrayLike) -> Gaussian:
+    """Logarithmic pool (T, d) of a frame's components: the product of N_i^h_i, normalised."""
+    weights, local = view.mixture(inputs)
+    precision = inverse_spd(view.covariance, "covariance of a component")
+    covariance = inverse_spd(np.einsum("tk,kij->tij", weights, precision), "pooled precision")
+    information = np.einsum("tk,kij,tkj->ti", weights, precision, local.mean)
+    return Gaussian.trusted(np.einsum("tij,tj->ti", covariance, information), covariance)
+
+
+def _fused(
+    weights: NDArray, views: Sequence[Gaussian], frames: Sequence[Frame]
+) -> tuple[NDArray, Gaussian]:
+    """Weights, and the product over frames (T, K, D) of what each retrieved (T, K, d_j)."""
     steps, components = weights.shape
     flat = [
         Gaussian.trusted(
             local.mean.reshape(-1, local.dim), local.covariance.reshape(-1, local.dim, local.dim)
         )
-        for _, local in modes
+        for local in views
     ]
     repeated = [
         Frame(np.repeat(frame.A, components, 0), np.repeat(frame.b, components, 0))
-        if frame is not None and frame.shape
+        if frame.shape
         else frame
         for frame in frames
     ]
     product = fuse_frames(flat, repeated)
     D = product.dim
-    shaped = Gaussian.trusted(
+    return weights, Gaussian.trusted(
         product.mean.reshape(steps, components, D),
         product.covariance.reshape(steps, components, D, D),
     )
-    return match_moments(weights, shaped)
 
 
 def _check(tpgmm: TPGMM, frames: Sequence[Frame | None]) -> None:

@@ -1,7 +1,7 @@
 """The comparison of Section 8: learn, retrieve, measure, and write it all down."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 
 from tpsim.errors import ArgumentError
@@ -29,6 +29,7 @@ def compare(
     workers: int = 1,
     progress: bool = False,
     command: str = "tpsim compare",
+    arms: Mapping[str, Plan] | None = None,
 ) -> dict[str, object]:
     """Compare methods on the same demonstrations and in the same situations.
 
@@ -51,12 +52,16 @@ def compare(
         Show a bar on standard error.
     command
         The command line that repeats it, for the report.
+    arms
+        What is also carried out on simulated arms, by the arm's name, such as
+        :data:`tpsim.section8.closed_loop.PLANS`; nothing by default.
 
     Returns
     -------
     dict
         ``methods``: for every name its figures over all situations of the tutorial's own task,
-        and ``reason`` where it failed; ``plan``; ``paths`` of what was written.
+        and ``reason`` where it failed; ``plan``; ``closed_loop``: the same by arm, in mm;
+        ``paths`` of what was written.
 
     Raises
     ------
@@ -65,24 +70,40 @@ def compare(
     RecordingError
         A folder of something else, or results in it that are damaged.
     """
-    plan = Plan() if plan is None else plan
-    plan = replace(plan, seeds=tuple(seed + s for s in plan.seeds))
+    plan = (Plan() if plan is None else plan).from_seed(seed)
     _check(methods, plan)
     check_folder(folder)
     results = Results(plan, run(plan, methods, folder, workers, progress))
+    closed: dict[str, Results] = {}
+    if arms:
+        from tpsim.section8.closed_loop import run_closed_loop
+
+        plans = {name: each.from_seed(seed) for name, each in arms.items()}
+        closed = run_closed_loop(methods, folder, plans, workers, progress)
     drawn = _pictures(results, methods, folder)
+    if closed:
+        picture = to_png(pictures.on_arms(closed), dpi=110)
+        drawn.append(write_bytes(folder / "closed-loop.png", picture, replace=True))
     main = tables.main_table(results)
+    rows = [row for each in (results, *closed.values()) for row in each.rows()]
     paths = {
         "folder": folder,
-        "table": tables.write_csv(folder / "comparison.csv", list(results.rows())),
-        "latex": write_text(folder / "comparison.tex", tables.latex(main), replace=True),
+        "table": tables.write_csv(folder / "comparison.csv", rows),
+        "latex": write_text(
+            folder / "comparison.tex",
+            "\n".join(map(tables.latex, [main, *map(tables.closed_loop_table, closed.values())])),
+            replace=True,
+        ),
         "pictures": drawn,
         "json": folder / "comparison.json",
         "report": folder / "report.html",
     }
-    result: dict[str, object] = {"methods": results.summary(), "plan": asdict(plan), "paths": paths}
+    result: dict[str, object] = {"methods": results.summary(), "plan": asdict(plan)}
+    if closed:
+        result["closed_loop"] = {name: each.summary() for name, each in closed.items()}
+    result["paths"] = paths
     tables.write_json(folder / "comparison.json", result)
-    write_comparison_report(folder / "report.html", results, drawn, command)
+    write_comparison_report(folder / "report.html", results, drawn, command, closed)
     return result
 
 

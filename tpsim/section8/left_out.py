@@ -49,13 +49,33 @@ def leave_one_out(
         raise ArgumentError(
             f"{len(demonstrations)} demonstration was given; to leave one out takes at least 2"
         )
-    if not all(d.frames for d in demonstrations):
-        raise ArgumentError("a demonstration has no frames; every method adapts to frames")
+    _check_frames(demonstrations)
     taught = on_one_clock(demonstrations)
     return [
         perform(methods, [d for d in taught if d is not out], [Situation(out.frames, out, out)])
         for out in taught
     ]
+
+
+def _check_frames(demonstrations: Sequence[Demonstration]) -> None:
+    """Refuse demonstrations that are not all seen from the same number of frames."""
+    counts = [len(d.frames) for d in demonstrations]
+    most = max(counts)
+    if not most:
+        raise ArgumentError(
+            "the demonstrations have no frames, to which every method adapts; name the objects in "
+            "the files that the movement is seen from (--frames), or write frames into them"
+        )
+    fewer = [
+        f"{d.name or f'demonstration {m + 1}'} has {count}"
+        for m, (d, count) in enumerate(zip(demonstrations, counts, strict=True))
+        if count < most
+    ]
+    if fewer:
+        raise ArgumentError(
+            f"the demonstrations are not seen from the same frames: {', '.join(fewer)} of {most}; "
+            "leave these out, or give the frames that all have"
+        )
 
 
 @one_thread()

@@ -17,6 +17,7 @@ METHODS: dict[str, Method] = {
     "TP-GMR full": in_frames.tp_gmr_with("full"),
     "TP-GMR diagonal": in_frames.tp_gmr_with("diagonal"),
     "TP-GMR held": in_frames.tp_gmr_with("full", "held"),
+    "TP-GMR pooled": in_frames.tp_gmr_with("full", "pooled"),
     "TP-GMR product": in_frames.tp_gmr_with("full", "product"),
     "TP-MFA": in_frames.tp_mfa,
     "TP-HDDC": in_frames.tp_hddc,

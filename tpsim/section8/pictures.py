@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from tpsim.demonstration import Demonstration
@@ -124,5 +125,33 @@ def _curves(
     if axis.get_legend_handles_labels()[1]:
         axis.legend(
             loc="center left", bbox_to_anchor=(1, 0.5), frameon=False, fontsize=8, labelcolor=INK
+        )
+    return figure
+
+
+def on_arms(closed: Mapping[str, Results]) -> Figure:
+    """Draw how far the hand was from the teacher's path, a panel per arm, with 95 % intervals."""
+    names = next(iter(closed.values())).methods
+    figure, panels = new_figure(height=0.19 * len(names) + 0.9, columns=len(closed))
+    rows = np.arange(len(names))
+    for axis, (arm, results) in zip(panels, closed.items(), strict=True):
+        family, count = results.headline
+        for distance, colour in zip(results.plan.distances, COLOURS, strict=False):
+            e = results.estimate(family, count, distance, "rms")
+            axis.hlines(rows, e.low, e.high, color=colour, lw=1.6, alpha=0.6)
+            axis.plot(e.mean, rows, "o", color=colour, ms=4, label=f"{distance:g} x the spread")
+        axis.set(xscale="log", xlabel="rms [mm]", ylim=(len(names) - 0.5, -0.5))
+        axis.set_yticks(rows, names, fontsize=7)
+        axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.xaxis.set_major_formatter("{x:g}")
+        axis.minorticks_off()
+        axis.set_title(arm, fontsize=9, color=INK)
+        axis.legend(
+            loc="lower center",
+            bbox_to_anchor=(0.5, 1.03),
+            ncols=len(results.plan.distances),
+            frameon=False,
+            fontsize=7,
+            labelcolor=INK,
         )
     return figure

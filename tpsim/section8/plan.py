@@ -1,14 +1,14 @@
 """How much is compared: families, numbers of demonstrations, teachers, distances, situations."""
 
 import hashlib
-import inspect
 import itertools
 import json
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 from tpsim.section8.families import FAMILIES
-from tpsim.section8.method import Method
+
+Cell = tuple[str, int, int]
+"""Family, number of demonstrations, and seed of the teacher."""
 
 
 @dataclass(frozen=True)
@@ -32,24 +32,26 @@ class Plan:
     situations: int = 30
     samples: int = 100
 
-    def cells(self) -> list[tuple[str, int, int]]:
+    def cells(self) -> list[Cell]:
         """Family, number of demonstrations and seed of every cell."""
         return list(itertools.product(self.families, self.counts, self.seeds))
 
-    def key(self, cell: tuple[str, int, int], methods: Mapping[str, Method]) -> str:
-        """Words that change with anything that a cell's results depend on."""
+    def from_seed(self, seed: int) -> "Plan":
+        """The same with other teachers: ``seed`` is added to their seeds."""
+        return replace(self, seeds=tuple(seed + each for each in self.seeds))
+
+    def key(self, cell: Cell, code: str) -> str:
+        """Words that change with anything that a cell's results depend on.
+
+        Parameters
+        ----------
+        cell : Cell
+        code : str
+            :func:`~tpsim.section8.fingerprint.fingerprint` of what is run, once for all cells.
+        """
         settings = asdict(self) | {"families": None, "counts": None, "seeds": None}
-        named = {name: _source(method) for name, method in methods.items()}
-        return hashlib.sha256(json.dumps([cell, settings, named]).encode()).hexdigest()
+        return hashlib.sha256(json.dumps([cell, settings, code]).encode()).hexdigest()
 
 
 QUICK = Plan(families=("transfer",), counts=(4,), seeds=(0, 1), situations=15, samples=60)
 """A minute's worth: one family, one number of demonstrations, two teachers."""
-
-
-def _source(method: Method) -> str:
-    """Source text of a method, or its name where there is none."""
-    try:
-        return inspect.getsource(method)
-    except (OSError, TypeError):
-        return repr(getattr(method, "__qualname__", type(method).__qualname__))

@@ -1,6 +1,6 @@
 """One HTML file with the tables and pictures of a comparison."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from tpsim.section8 import tables
@@ -13,7 +13,17 @@ CAPTIONS = {
     "what the teacher does; faint: the demonstrations; shaded: one standard deviation.",
     "error-against-distance": "Distance from the teacher's path, with 95 % bootstrap intervals.",
     "error-against-demonstrations": "The same at the farthest distance, by demonstrations.",
+    "closed-loop": "Distance of a simulated hand from the teacher's path, with 95 % intervals.",
 }
+
+CLOSED = (
+    "What methods retrieve, carried out by the same LQT and impedance on {title}. In mm: "
+    "distance of the hand's path from the teacher's, rms [95 % bootstrap intervals], and of its "
+    "end; at the farthest distance: end after a push of {force:g} N, rms over time of the hand "
+    "from what was retrieved (tracking), how far the push moved the hand (yield), and the share of "
+    "time steps with a motor at its limit [%]. Of {trials} situations: refused by the method, or "
+    "diverged."
+)
 
 READING = (
     "rms, end: metres from the teacher's path and end, [95 % bootstrap intervals over the same "
@@ -25,7 +35,11 @@ READING = (
 
 
 def write_comparison_report(
-    path: Path, results: Results, pictures: Sequence[Path], command: str
+    path: Path,
+    results: Results,
+    pictures: Sequence[Path],
+    command: str,
+    closed: Mapping[str, Results] | None = None,
 ) -> Path:
     """Write the report of a comparison."""
     family, count = results.headline
@@ -46,7 +60,10 @@ def write_comparison_report(
             tables.family_table(results),
         ),
     ]
-    if failed := failures(results):
+    for arm, carried in (closed or {}).items():
+        sections.append(_closed_section(arm, carried))
+    failed = [row for each in (results, *(closed or {}).values()) for row in failures(each)]
+    if failed:
         sections.append(Section("Failures", table=failed))
     return write_report(
         path,
@@ -60,6 +77,15 @@ def write_comparison_report(
             "samples": plan.samples,
         },
     )
+
+
+def _closed_section(arm: str, results: Results) -> Section:
+    from tpsim.section8.arms import ARMS
+
+    plan = results.plan
+    trials = len(plan.seeds) * len(plan.distances) * plan.situations
+    words = CLOSED.format(title=ARMS[arm].title, force=ARMS[arm].force, trials=trials)
+    return Section(f"Closed loop: {arm}", words, (), tables.closed_loop_table(results))
 
 
 def failures(results: Results) -> list[dict[str, object]]:

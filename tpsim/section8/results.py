@@ -1,18 +1,17 @@
 """What came out of a plan: estimates by family, number of demonstrations and distance."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tpsim.section8.measures import FIGURES
-from tpsim.section8.plan import Plan
+from tpsim.section8.measures import FIGURES, Figure
+from tpsim.section8.plan import Cell, Plan
 from tpsim.section8.statistics import Estimate, bootstrap, ranks
 from tpsim.section8.trial import Trial
 
-NAMES = tuple(FIGURES)
 MEDIAN = ("nll",)  # one overconfident step would outweigh everything else in a mean
 
 
@@ -24,10 +23,13 @@ class Results:
     ----------
     plan : Plan
     trials : by family, number of demonstrations and seed
+    figures : mapping of str to Figure
+        What was measured, in the order of the trials' figures.
     """
 
     plan: Plan
-    trials: dict[tuple[str, int, int], Trial]
+    trials: dict[Cell, Trial]
+    figures: Mapping[str, Figure] = field(default_factory=lambda: FIGURES)
 
     @cached_property
     def methods(self) -> tuple[str, ...]:
@@ -36,7 +38,7 @@ class Results:
 
     def values(self, family: str, count: int, distance: float | None, figure: str) -> NDArray:
         """Figure (m, n) of m methods in the situations of all teachers at a distance, or at all."""
-        column = NAMES.index(figure)
+        column = list(self.figures).index(figure)
         parts = []
         for seed in self.plan.seeds:
             figures = self.trials[family, count, seed].figures[:, :, column]
@@ -75,7 +77,7 @@ class Results:
         for family in self.plan.families:
             for count in self.plan.counts:
                 for distance in self.plan.distances:
-                    for figure in NAMES:
+                    for figure in self.figures:
                         estimate = self.estimate(family, count, distance, figure)
                         for m, name in enumerate(self.methods):
                             yield {
@@ -98,7 +100,7 @@ class Results:
     def summary(self) -> dict[str, dict[str, object]]:
         """Figures of every method in the headline's situations, all distances together."""
         family, count = self.headline
-        figures = {name: self.estimate(family, count, None, name) for name in NAMES}
+        figures = {name: self.estimate(family, count, None, name) for name in self.figures}
         by_distance = {d: self.estimate(family, count, d, "rms") for d in self.plan.distances}
         ends = {d: self.estimate(family, count, d, "end") for d in self.plan.distances}
         costs = {n: self.costs(family, count, n) for n in ("train_ms", "adapt_us", "parameters")}

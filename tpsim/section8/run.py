@@ -1,7 +1,7 @@
 """Running a plan: cell by cell, in one process or several, going on where it was cut off."""
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 
@@ -9,51 +9,15 @@ from tqdm import tqdm
 
 from tpsim.errors import RecordingError
 from tpsim.section8.families import FAMILIES
+from tpsim.section8.fingerprint import fingerprint, mathematics
+from tpsim.section8.measures import FIGURES, measure
 from tpsim.section8.method import Method
-from tpsim.section8.plan import Plan
+from tpsim.section8.plan import Cell, Plan
 from tpsim.section8.trial import Trial, perform
 from tpsim.study.workers import Death, Workers
 from tpsim.world.threads import one_thread
 
-Cell = tuple[str, int, int]
-
-
-def run(
-    plan: Plan,
-    methods: Mapping[str, Method],
-    folder: Path,
-    workers: int = 1,
-    progress: bool = False,
-) -> dict[Cell, Trial]:
-    """Perform every cell of a plan that the folder does not hold yet, and read the others.
-
-    Parameters
-    ----------
-    plan, methods
-        What to do.
-    folder
-        Where the results of the cells are.
-    workers
-        Number of processes. A cell that ends its process twice is a row with the reason.
-    progress
-        Show a bar on standard error.
-    """
-    done = {cell: _stored(plan, methods, folder, cell) for cell in plan.cells()}
-    todo = [cell for cell, trial in done.items() if trial is None]
-    performed = _performed(plan, methods, todo, workers)
-    kept = len(done) - len(todo)
-    for cell, trial in tqdm(
-        performed, "compare", len(done), initial=kept, disable=not progress, unit="cell"
-    ):
-        if isinstance(trial, Death):
-            # It is not saved: the next time it is tried again.
-            count = len(plan.distances) * plan.situations
-            done[cell] = Trial.failed(methods, count, f"the comparison died: {trial}")
-            continue
-        key = plan.key(cell, methods)
-        trial.save(_file(folder, cell, key), key)
-        done[cell] = trial
-    return {cell: trial for cell, trial in done.items() if trial is not None}
+PerformCell = Callable[[Plan, Mapping[str, Method], Cell], Trial]
 
 
 @one_thread()
@@ -69,26 +33,86 @@ def perform_cell(plan: Plan, methods: Mapping[str, Method], cell: Cell) -> Trial
     return perform(methods, family.demonstrations(count, plan.samples, seed), situations)
 
 
+def run(
+    plan: Plan,
+    methods: Mapping[str, Method],
+    folder: Path,
+    workers: int = 1,
+    progress: bool = False,
+    performed_by: PerformCell = perform_cell,
+    code: str | None = None,
+    figures: Collection[str] = tuple(FIGURES),
+) -> dict[Cell, Trial]:
+    """Perform every cell of a plan that the folder does not hold yet, and read the others.
+
+    Parameters
+    ----------
+    plan, methods
+        What to do.
+    folder
+        Where the results of the cells are.
+    workers
+        Number of processes. A cell that ends its process twice is a row with the reason.
+    progress
+        Show a bar on standard error.
+    performed_by
+        Makes a cell; by default of the retrieved movements alone.
+    code
+        Fingerprint of all that makes it; by default that of methods, families and measures.
+    figures
+        Names of what is measured.
+    """
+    if code is None:
+        code = fingerprint([methods, FAMILIES, measure, mathematics()])
+    keys = {cell: plan.key(cell, code) for cell in plan.cells()}
+    done = {cell: _stored(plan, methods, figures, folder, cell, key) for cell, key in keys.items()}
+    todo = [cell for cell, trial in done.items() if trial is None]
+    performed = _performed(performed_by, plan, methods, todo, workers)
+    kept = len(done) - len(todo)
+    for cell, trial in tqdm(
+        performed, "compare", len(done), initial=kept, disable=not progress, unit="cell"
+    ):
+        if isinstance(trial, Death):
+            # It is not saved: the next time it is tried again.
+            count = len(plan.distances) * plan.situations
+            reason = f"the comparison died: {trial}"
+            done[cell] = Trial.failed(methods, count, figures, reason)
+            continue
+        trial.save(_file(folder, cell, keys[cell]), keys[cell])
+        done[cell] = trial
+    return {cell: trial for cell, trial in done.items() if trial is not None}
+
+
 def _performed(
-    plan: Plan, methods: Mapping[str, Method], cells: list[Cell], workers: int
+    by: PerformCell, plan: Plan, methods: Mapping[str, Method], cells: list[Cell], workers: int
 ) -> Iterator[tuple[Cell, Trial | Death]]:
+    if not cells:
+        return
     # Methods may be closures: they travel by value.
-    with Workers(min(workers, len(cells)) or 1, _open, (plan, dict(methods))) as pool:
+    given = by, plan, dict(methods)
+    with Workers(min(workers, len(cells)), _open, given) as pool:
         yield from zip(cells, pool.map(cells), strict=True)
 
 
-def _open(given: tuple[Plan, Mapping[str, Method]]) -> "partial[Trial]":
-    return partial(perform_cell, *given)
+def _open(given: tuple[PerformCell, Plan, Mapping[str, Method]]) -> "partial[Trial]":
+    by, plan, methods = given
+    return partial(by, plan, methods)
 
 
-def _stored(plan: Plan, methods: Mapping[str, Method], folder: Path, cell: Cell) -> Trial | None:
-    key = plan.key(cell, methods)
+def _stored(
+    plan: Plan,
+    methods: Mapping[str, Method],
+    figures: Collection[str],
+    folder: Path,
+    cell: Cell,
+    key: str,
+) -> Trial | None:
     path = _file(folder, cell, key)
     if not os.path.lexists(path):
         return None
     trial = Trial.load(path, key)
-    situations = len(plan.distances) * plan.situations
-    if (trial.methods, trial.figures.shape[1]) != (tuple(methods), situations):
+    shape = len(methods), len(plan.distances) * plan.situations, len(figures)
+    if (trial.methods, trial.figures.shape) != (tuple(methods), shape):
         raise RecordingError(f"{path} is damaged: it is of other methods; delete it and run again")
     return trial
 

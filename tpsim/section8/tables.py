@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tpsim.section8.results import Results
 from tpsim.section8.statistics import Estimate, ratio_to_best
@@ -104,6 +105,31 @@ def ratio_table(results: Results) -> list[Row]:
         columns[f"{d:g}x (best: {name})"] = ratios
     return [
         {"method": name} | {title: interval(e, m, 2) for title, e in columns.items()}
+        for m, name in enumerate(results.methods)
+    ]
+
+
+def closed_loop_table(results: Results) -> list[Row]:
+    """One row per method on an arm [mm]: by distance, and what pushes did at the farthest."""
+    family, count = results.headline
+    near, far = results.plan.distances[0], results.plan.distances[-1]
+
+    def mean(distance: float, figure: str) -> NDArray:
+        return results.estimate(family, count, distance, figure).mean
+
+    rms = {d: results.estimate(family, count, d, "rms") for d in (near, far)}
+    ends = {d: mean(d, "end") for d in (near, far)}
+    pushed = {name: mean(far, name) for name in ("end_pushed", "tracking", "yield", "saturated")}
+    outcomes = results.values(family, count, None, "diverged")
+    return [
+        {"method": name}
+        | {f"rms {d:g}x": interval(e, m, 1) for d, e in rms.items()}
+        | {f"end {d:g}x": rounded(e[m], 1) for d, e in ends.items()}
+        | {figure.replace("_", " "): rounded(values[m], 1) for figure, values in pushed.items()}
+        | {
+            "refused": str(int(np.isnan(outcomes[m]).sum())),
+            "diverged": str(int((outcomes[m] == 1).sum())),
+        }
         for m, name in enumerate(results.methods)
     ]
 

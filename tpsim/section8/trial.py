@@ -1,9 +1,10 @@
 """All methods on the same demonstrations and the same situations; a failure is a row."""
 
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,9 @@ from tpsim.section8.measures import FIGURES, measure
 from tpsim.section8.method import Method, Path, Retrieve
 
 KIND = "comparison of methods"
+
+Measured = Callable[[Path, Any], Mapping[str, float]]
+"""Figures of a movement that was retrieved in a situation."""
 
 _KINDS = {
     "methods": "U",
@@ -36,7 +40,7 @@ class Trial:
     ----------
     methods : (m,) names
     figures : (m, n, f)
-        Figures of :data:`FIGURES` in n situations; NaN where a method failed or has no such.
+        Figures in n situations; NaN where a method failed or has no such.
     train_ms, adapt_us : (m,)
         Processor time of learning, and of one retrieval (median).
     parameters : (m,)
@@ -53,12 +57,14 @@ class Trial:
     reasons: tuple[str, ...]
 
     @classmethod
-    def failed(cls, methods: Collection[str], situations: int, reason: str) -> "Trial":
+    def failed(
+        cls, methods: Collection[str], situations: int, figures: Collection[str], reason: str
+    ) -> "Trial":
         """What stands where nothing could be done: no figures, and the reason."""
         nothing = np.full(len(methods), np.nan)
-        figures = np.full((len(methods), situations, len(FIGURES)), np.nan)
+        measured = np.full((len(methods), situations, len(figures)), np.nan)
         reasons = (reason,) * len(methods)
-        return cls(tuple(methods), figures, nothing, nothing, nothing, reasons)
+        return cls(tuple(methods), measured, nothing, nothing, nothing, reasons)
 
     def save(self, path: FilePath, key: str) -> None:
         """Write to an archive that remembers what it is the result of."""
@@ -86,7 +92,7 @@ class Trial:
         found = {name: arrays.get(name, np.array(None)) for name in ("kind", "key", *_KINDS)}
         m = found["methods"].size
         shapes = {name: (m,) for name in _KINDS}
-        shapes["figures"] = (m, *found["figures"].shape[1:2], len(FIGURES))
+        shapes["figures"] = (m, *found["figures"].shape[1:3])
         wrong = [
             name
             for name, kind in _KINDS.items()
@@ -107,10 +113,17 @@ class Trial:
         )
 
 
+def of_path(path: Path, situation: Situation) -> dict[str, float]:
+    """Figures of :data:`FIGURES`: of the retrieved movement itself."""
+    return measure(path, situation.truth, situation.drawn)
+
+
 def perform(
     methods: Mapping[str, Method],
     demonstrations: Sequence[Demonstration],
     situations: Sequence[Situation],
+    measured: Measured = of_path,
+    figures: Sequence[str] = tuple(FIGURES),
 ) -> Trial:
     """Learn with every method and retrieve in every situation.
 
@@ -122,8 +135,13 @@ def perform(
         On one clock.
     situations
         With the teacher's own movement, at the same times.
+    measured
+        What is measured of a movement in a situation.
+    figures
+        The names that it gives.
     """
-    rows = [_row(method, list(demonstrations), situations) for method in methods.values()]
+    taught = list(demonstrations)
+    rows = [_row(m, taught, situations, measured, figures) for m in methods.values()]
     return Trial(
         tuple(methods),
         np.array([row.figures for row in rows]),
@@ -161,9 +179,13 @@ def retrieved(retrieve: Retrieve, situation: Situation) -> tuple[Path | None, st
 
 
 def _row(
-    method: Method, demonstrations: list[Demonstration], situations: Sequence[Situation]
+    method: Method,
+    demonstrations: list[Demonstration],
+    situations: Sequence[Situation],
+    measured: Measured,
+    names: Sequence[str],
 ) -> _Row:
-    figures = np.full((len(situations), len(FIGURES)), np.nan)
+    figures = np.full((len(situations), len(names)), np.nan)
     start = time.process_time()
     retrieve, reason = learn(method, demonstrations)
     train_ms = 1e3 * (time.process_time() - start)
@@ -176,7 +198,8 @@ def _row(
         took.append(1e6 * (time.process_time() - start))
         if path is not None:
             try:
-                figures[n] = list(measure(path, situation.truth, situation.drawn).values())
+                found = measured(path, situation)
+                figures[n] = [found[name] for name in names]
             except Exception as error:  # what it returned may be no movement at all
                 reason = _reason(error)
         reasons.append(reason)

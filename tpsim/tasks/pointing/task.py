@@ -18,6 +18,7 @@ from tpsim.demonstration import Demonstration
 from tpsim.gaussian import Gaussian
 from tpsim.learning.subspace import MFA
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
+from tpsim.retrieval.tp_gmr import Order
 from tpsim.robot.views.joints import Joints
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
 from tpsim.tasks.pointing.pointers import BAXTER, OBJECTS, PLANAR, Pointer
@@ -51,6 +52,9 @@ class Pointing(Task):
     factors : int
         Factors of their covariances: time moves everything, what remains is each dimension's own.
         Six demonstrations are too few to say how five joints depend on each other (Section 4.2).
+    order : str
+        Of regression over time and product over frames
+        (:func:`~tpsim.retrieval.tp_gmr.tp_gmr`).
     hold : float
         Standard deviation [rad] with which joints that were not taught hold their start.
     restless : float
@@ -67,6 +71,7 @@ class Pointing(Task):
     effort: float = 0.05
     components: int = 6
     factors: int = 1
+    order: Order = "pooled"
     hold: float = 0.1
     restless: float = 0.02
     bent: float = 0.06
@@ -133,6 +138,7 @@ class Pointing(Task):
             until=self.duration,
             prior=Gaussian(np.array(situation.start), np.diag(deviation**2)),
             timestep=world.timestep,
+            order=self.order,
         )
 
     def goals(self) -> Mapping[str, Goal]:

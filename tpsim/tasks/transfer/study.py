@@ -87,16 +87,20 @@ def _push(rng: np.random.Generator) -> Push:
 
 
 def path_rms(record: Record) -> float | None:
-    """Distance [mm] between the hand's path and the teacher's in the same situation, rms.
-
-    From all points of either path to the nearest of the other one; the larger of both counts.
-    """
+    """Distance [mm] between the hand's path and the teacher's in the same situation, rms."""
     teacher = record.beside("taught")
     if teacher is None:
         return None
-    hand, taught = record["left_hand_position"], teacher["left_hand_position"]
-    apart = np.linalg.norm(hand[:, None] - taught, axis=-1)
-    return 1e3 * max(float(np.sqrt(np.mean(apart.min(axis) ** 2))) for axis in (0, 1))
+    return 1e3 * apart(record["left_hand_position"], teacher["left_hand_position"])
+
+
+def apart(one: np.ndarray, other: np.ndarray) -> float:
+    """Distance between two paths (T, 3), (S, 3), rms, whatever their timing.
+
+    From all points of either path to the nearest of the other one; the larger of both counts.
+    """
+    away = np.linalg.norm(one[:, None] - other, axis=-1)
+    return max(float(np.sqrt(np.mean(away.min(axis) ** 2))) for axis in (0, 1))
 
 
 def at_the_end(view: View) -> Callable[[Record], np.ndarray]:

@@ -21,6 +21,11 @@ from tpsim.task.verbs import learn, perform
 from tpsim.tasks.cup_and_sugar.study import cup, cup_and_sugar, sugar
 
 
+def restless(lab):
+    """A probe whose robot does not do what it needs."""
+    raise SimulationError("it did not come to rest")
+
+
 @pytest.fixture(scope="module")
 def toy_run(toy, tmp_path_factory):
     """A whole run of a user's study, without a film."""
@@ -28,7 +33,7 @@ def toy_run(toy, tmp_path_factory):
     study = replace(
         toy,
         measures=[*toy.measures, Measure("strength", unit="N", limit=1.0, title="Strength")],
-        probes={"strength": lambda lab: 2.0},
+        probes={"strength": lambda lab: 2.0, "restless": restless},
     )
     return campaign.run(study, Plan(3, 1, 2), folder, video=False, command="tpsim run"), folder
 
@@ -65,8 +70,9 @@ def test_a_run_answers_with_figures_limits_and_paths(toy_run):
     ]
     assert list(answer) == keys
     assert (answer["task"], answer["seed"], answer["trials"]) == ("bring", 3, 9)
-    assert set(answer["figures"]) == {"gap", "strength", "realtime_factor"}
+    assert set(answer["figures"]) == {"gap", "strength", "restless", "realtime_factor"}
     assert answer["figures"]["strength"] == 2.0
+    assert answer["figures"]["restless"] is None
     assert answer["figures"]["realtime_factor"] > 0
     assert answer["missed"] == ["Strength"]
     assert answer["paths"] == {

@@ -30,6 +30,8 @@ class Run(SeededCommand):
     plants: tuple[str, ...] = ()
     """Plants unlike the model on which the pushed trials are repeated, beside the nominal ones:
     names such as "friction 0.5 Nm", or all."""
+    experts: bool = True
+    """Perform the same pushes with controllers that people set by hand, where the task has such."""
     quick: FlagCreatePairsOff[bool] = False
     """At most two situations and three pushes, no experts beside, no film: a first look."""
     strict: FlagCreatePairsOff[bool] = False
@@ -59,8 +61,9 @@ class Run(SeededCommand):
 
         study = with_plants(study, chosen(self.plants)) if self.plants else study
         plan, workers = Plan(self.seed, self.situations, self.pushes), self.workers or cores()
-        if self.quick:
+        if self.quick or not self.experts:
             study = replace(study, contest=None)
+        if self.quick:
             plan = replace(plan, situations=min(plan.situations, 2), pushes=min(plan.pushes, 3))
         if self.teachers > 1:
             return run_teachers(

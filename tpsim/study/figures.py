@@ -1,12 +1,14 @@
 """The figures of a study: its measures of the trials, its probes, and its speed."""
 
 import time
+from collections.abc import Callable
 
-from tpsim.errors import ArgumentError
+from tpsim.errors import ArgumentError, SimulationError
 from tpsim.robot.views.view import View
 from tpsim.study.executor import perform_condition
 from tpsim.study.measure import Figure, Measure, Result
 from tpsim.study.record import Records
+from tpsim.study.recording import say
 from tpsim.study.study import Lab, Study
 from tpsim.task.check import check as check_task
 from tpsim.task.check import look
@@ -52,12 +54,22 @@ def results(lab: Lab, records: Records) -> list[Result]:
     """All figures with their limits: those of measures in their order, then other probes."""
     study = lab.study
     figures = of_trials(study, records)
-    figures |= {name: probe(lab) for name, probe in study.probes.items()}
+    figures |= {name: _probed(name, probe, lab) for name, probe in study.probes.items()}
     figures[SPEED] = _speed(lab, records)
     measures = {measure.name: measure for measure in study.all_measures}
     plain = {SPEED: Measure(SPEED, unit="x", title="Faster than real time, one core")}
     others = [plain.get(name) or Measure(name) for name in figures if name not in measures]
     return [measure.result(figures[measure.name]) for measure in (*study.all_measures, *others)]
+
+
+def _probed(name: str, probe: Callable[[Lab], float], lab: Lab) -> float | None:
+    """What a probe measures; None where the robot does not do what it needs, and why is said."""
+    try:
+        return probe(lab)
+    except SimulationError as error:
+        # The trials are all there: one experiment that fails is no reason to lose the report.
+        say(f"{name} is not measured: {error}")
+        return None
 
 
 def _of_trials(measure: Measure) -> bool:

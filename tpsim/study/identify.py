@@ -1,5 +1,7 @@
 """The stiffness that is felt: measured by small static loads, beside the commanded one."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from scipy.linalg import eigh
 
@@ -12,11 +14,18 @@ from tpsim.world.world import World
 STIFF = 100.0
 """Stiffness [1/s^2] from which on a mode is measured: softer ones take too long to come to rest."""
 
-SETTLED = 1e-5
-"""Speed of the stiff modes [kg^1/2 m/s] below which they count as at rest."""
+SLOW, SETTLED = 1e-3, 3e-5
+"""Speeds of the stiff modes [kg^1/2 m/s] below which the robot, and a displacement, is at rest."""
+
+LOOK = 0.1
+"""Time [s] for which the robot is to be so slow."""
 
 PATIENCE = 10.0
-"""Time [s] that they are given to come to rest."""
+"""Time [s] that it is given for it."""
+
+HELD = 1.0
+"""Time [s] for which a load acts: ten time constants of the softest mode that is measured, and
+before the creep of what is soft has turned the modes."""
 
 
 def identify_stiffness(
@@ -27,7 +36,8 @@ def identify_stiffness(
     With the commanded stiffness K at rest and the inertia M, modes v solve K v = w M v; those with
     w above :data:`STIFF` are looked at, in coordinates in which each has unit inertia. Torques
     M v, as a person makes them by pressing on the hands, load one mode after the other, in both
-    directions, until the stiff modes rest; the compliance is the displacement over the load.
+    directions and for the same time; the compliance is half of the distance between the two over
+    the load. What is soft may creep meanwhile: it does so under both.
 
     Parameters
     ----------
@@ -47,47 +57,66 @@ def identify_stiffness(
     simulation = world.simulation()
     simulation.reset(start)
     probe = _Probe(simulation, controller)
-    state, command = probe.rest(np.zeros(world.robot.n), np.eye(world.robot.n))
+    state, command = probe.rest()
     rest, M = simulation.q.copy(), state.mass
-    values, V = eigh(command.stiffness, M)
-    values, V = values[values > STIFF], V[:, values > STIFF]
+    values, V = stiff_modes(command, state)
     if not len(values):
         raise SimulationError(
             f"no mode is stiffer than {STIFF:g} /s^2; there is nothing to measure"
         )
     compliance = np.empty((len(values), len(values)))
     for k, value in enumerate(values):
-        found = []
-        for sign in (1, -1):
-            simulation.reset(rest)
-            probe.rest(sign * way * value * (M @ V[:, k]), V.T @ M)
-            found.append(V.T @ M @ simulation.q)
-        compliance[:, k] = (found[0] - found[1]) / (2 * way * value)
+        load = way * value * (M @ V[:, k])
+        there, back = (V.T @ M @ probe.held(rest, sign * load) for sign in (1, -1))
+        apart = (there - back) / (2 * way * value)
+        if np.abs(apart[:, 1]).max() * way * value > SETTLED:
+            raise SimulationError(f"a mode of {value:.0f} /s^2 still moved after {HELD:g} s")
+        compliance[:, k] = apart[:, 0]
     return np.linalg.inv(compliance), np.diag(values)
 
 
+def stiff_modes(command: Impedance, state: State) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffness (k,) above :data:`STIFF` [1/s^2] and modes (n, k) of an impedance."""
+    values, V = eigh(command.stiffness, state.mass)
+    return values[values > STIFF], V[:, values > STIFF]
+
+
 class _Probe:
-    """A controller whose robot is loaded until it rests."""
+    """A controlled robot that is loaded."""
 
     def __init__(self, simulation: Simulation, controller: Controller):
         self._simulation, self._controller = simulation, controller
 
-    def rest(self, load: np.ndarray, rows: np.ndarray) -> tuple[State, Impedance]:
-        """Let the robot come to rest, as ``rows`` (k, n) see it, under joint torques (n,) [Nm]."""
+    def rest(self) -> tuple[State, Impedance]:
+        """Wait until the stiff modes rest."""
+        seen, quiet = np.eye(self._simulation.robot.n), 0.0
+        for step, (state, command) in enumerate(self._steps(PATIENCE, 0.0)):
+            if step % round(LOOK / self._simulation.timestep) == 0:
+                seen = stiff_modes(command, state)[1].T @ state.mass
+            # Slow for a while, not at the turning point of a swing.
+            still = np.abs(seen @ state.dq).max(initial=0.0) < SLOW
+            quiet = quiet + self._simulation.timestep if still else 0.0
+            if quiet > LOOK:
+                return state, command
+        raise SimulationError(f"the robot did not come to rest in {PATIENCE:g} s")
+
+    def held(self, start: np.ndarray, load: np.ndarray) -> np.ndarray:
+        """Posture and velocity (n, 2) after joint torques (n,) [Nm] have acted for a while."""
+        self._simulation.reset(start)
+        for _ in self._steps(HELD, load):
+            pass
+        return self._simulation.x.reshape(2, -1).T.copy()
+
+    def _steps(self, seconds: float, load: np.ndarray | float) -> Iterator[tuple[State, Impedance]]:
         simulation, robot = self._simulation, self._simulation.robot
-        drive, limit, quiet = Drive(robot, simulation.timestep), robot.torque_limit, 0
-        slow = SETTLED if len(rows) < robot.n else 100 * SETTLED
-        for _ in range(round(PATIENCE / simulation.timestep)):
+        drive, limit = Drive(robot, simulation.timestep), robot.torque_limit
+        for _ in range(round(seconds / simulation.timestep)):
             state = State(robot, simulation.x, time=simulation.time)
             command = self._controller.command(state, state.time)
+            if not isinstance(command, Impedance):
+                raise SimulationError("the controller commands torques; stiffness is of impedances")
+            yield state, command
             torque = drive.torque(command, state)
-            # Slow for a whole while, not at the turning point of a swing.
-            quiet = quiet + 1 if np.abs(rows @ state.dq).max() < slow else 0
-            if quiet * simulation.timestep > 0.1:
-                if (np.abs(torque) > limit).any() or not isinstance(command, Impedance):
-                    break
-                return state, command
-            simulation.step(np.clip(torque, -limit, limit) + load)
-        raise SimulationError(
-            f"the robot did not come to rest within its torque limits in {PATIENCE:g} s"
-        )
+            if (np.abs(torque) > limit).any():
+                raise SimulationError("a motor reached its limit under the load of the measurement")
+            simulation.step(torque + load)

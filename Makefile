@@ -15,7 +15,7 @@ install: .venv/installed
 	touch $@
 
 demo: install
-	$(BIN)/tpsim run cup-and-sugar --situations 5
+	$(BIN)/tpsim run cup-and-sugar --situations 2
 
 test: install lint wheel
 	$(BIN)/python -m pytest

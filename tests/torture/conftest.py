@@ -181,7 +181,7 @@ def disturb(command, how, after, rng):
     if how == "worker":
         while command.process.poll() is None:
             if found := workers(command):
-                time.sleep(rng.uniform(0, 1.5))
+                time.sleep(rng.uniform(0, 0.8))
                 try:
                     os.kill(rng.choice(found), signal.SIGKILL)
                 except ProcessLookupError:

@@ -74,7 +74,9 @@ def strike(torture, lines, undisturbed, name, how, rng, folder, forks=None):
     command = torture.Command(lines[name], folder, forks)
     # Python itself needs a moment until it can listen.
     first = 0.15 if forks is None else 0.02
-    reached = torture.disturb(command, how, rng.uniform(first, 1.1 * duration), rng)
+    # Workers are there after a while, and gone before the end: one is waited for.
+    last = 0.3 if how == "worker" else 1.1
+    reached = torture.disturb(command, how, rng.uniform(first, last * duration), rng)
     asked = time.monotonic()
     code = command.wait()
     took = time.monotonic() - asked

@@ -127,5 +127,5 @@ def checked_state(state: ArrayLike, n: int) -> np.ndarray:
     """The state as an array (n,), or an ArgumentError."""
     state = finite_array("initial", state)
     if state.shape != (n,):
-        raise ArgumentError(f"initial has shape {state.shape}; give {n} finite numbers")
+        raise ArgumentError(f"initial has shape {state.shape}; give a state of {n} finite numbers")
     return state

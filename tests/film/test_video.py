@@ -11,7 +11,7 @@ from PIL import Image
 from tpsim.errors import ArgumentError, RenderingError, SimulationError
 from tpsim.film import overlay, rendering, video
 from tpsim.film.camera import viewpoint
-from tpsim.film.clip import Arrow, Clip, Ellipsoid
+from tpsim.film.clip import Arrow, Clip, Ellipsoid, Reading
 from tpsim.robot.robot import Robot
 from tpsim.tasks.cup_and_sugar.task import HOME, CupAndSugar
 from tpsim.world.trial import Channels, Trial
@@ -75,6 +75,35 @@ def test_caption_changes_the_foot_of_the_picture_only():
     overlay.Caption("title", "subtitle", 320, 192).draw(picture, 1.0, 20.0)
     assert (picture[:160] == 200).all()
     assert (picture[-3:] < 60).all()
+
+
+def test_readings_stand_out_beyond_their_limit():
+    values = np.array([2.0, 4.0])
+    reading = overlay.Readings([Reading("tilt", values, "deg", 3.0)], 192)
+    below, beyond = np.zeros((2, 192, 320, 3), np.uint8)
+    reading.draw(below, 0)
+    reading.draw(beyond, 1)
+    grey = np.ptp(below[:60].astype(int), axis=2)
+    assert grey.max() < 20 and below[:60].max() > 200 and not below[60:].any()
+    assert np.ptp(beyond[:60].astype(int), axis=2).max() > 60
+
+
+@draws
+def test_clips_side_by_side_are_each_drawn_as_alone(clip, tmp_path):
+    near = dataclasses.replace(clip, centre=np.array([0.6, 0.1, 0.2]), close=clip.traces[0])
+    both = np.asarray(Image.open(video.still([clip, near], 0.5, tmp_path / "both.png", **SIZE)))
+    half = {"width": 160, "height": 192}
+    alone = np.asarray(Image.open(video.still(clip, 0.5, tmp_path / "alone.png", **half)))
+    np.testing.assert_array_equal(both[:, :160], alone)
+    assert np.abs(both[:, 160:].astype(int) - alone).mean() > 10
+
+
+def test_clips_side_by_side_are_as_long_as_each_other(clip):
+    short = dataclasses.replace(
+        clip, time=clip.time[:5], q=clip.q[:5], arrows=(), traces=(), ellipsoids=()
+    )
+    with pytest.raises(ArgumentError, match=r"\[5, 11\] samples"):
+        video.film([[clip, short]], "nowhere.mp4")
 
 
 def test_frames_follow_the_clock_at_the_speed_of_the_clip(clip):

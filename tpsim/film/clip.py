@@ -50,6 +50,30 @@ class Ellipsoid:
 
 
 @dataclass(frozen=True)
+class Reading:
+    """A figure that is shown as it is measured.
+
+    Parameters
+    ----------
+    name : str
+        What it is, such as ``"cup tilt"``.
+    values : (T,)
+        Over the recording.
+    unit : str
+    limit : float, optional
+        Above it the figure stands out.
+    """
+
+    name: str
+    values: np.ndarray
+    unit: str = ""
+    limit: float | None = None
+
+    def __post_init__(self) -> None:
+        checked(self)
+
+
+@dataclass(frozen=True)
 class Clip:
     """One sequence of a film: a recorded movement and what is drawn over it.
 
@@ -71,6 +95,14 @@ class Clip:
         Position, or position and quaternion (w, x, y, z), of objects of the world.
     camera : str
         A camera of the world; without it the film's.
+    readings : tuple of Reading
+        Shown in the upper left corner.
+    legend : tuple of str
+        What each trace is; with it a legend says what arrows and ellipsoids are, to which scale.
+    close : (T, 3), optional
+        What a second camera looks at from near, in an inset [m].
+    centre : (3,), optional
+        Point [m] that the camera looks at from nearer than its place.
     speed : float
         Film time runs this many times faster than the recording.
 
@@ -91,6 +123,10 @@ class Clip:
     objects: Mapping[str, np.ndarray] = field(default_factory=dict)
     camera: str = ""
     speed: Positive = 1.0
+    readings: tuple[Reading, ...] = ()
+    legend: tuple[str, ...] = ()
+    close: np.ndarray | None = None
+    centre: np.ndarray | None = None
 
     @classmethod
     @border
@@ -139,6 +175,11 @@ class Clip:
         for shape in self.ellipsoids:
             tails += [("centre", shape.centre, ((3,),)), ("stiffness", shape.stiffness, ((3, 3),))]
         tails += [(name, pose, ((3,), (7,))) for name, pose in self.objects.items()]
+        tails += [(reading.name, reading.values, ((),)) for reading in self.readings]
+        if self.close is not None:
+            tails.append(("close", self.close, ((3,),)))
+        if self.centre is not None and np.shape(self.centre) != (3,):
+            raise ArgumentError(f"centre has shape {np.shape(self.centre)}; give a point (3,)")
         for name, array, allowed in tails:
             if np.shape(array) not in [(length, *tail) for tail in allowed]:
                 wanted = " or ".join(str((length, *tail)) for tail in allowed)

@@ -7,6 +7,8 @@ standard input what to draw.
 import os
 import pickle
 import sys
+from contextlib import ExitStack
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -15,6 +17,15 @@ from tpsim.film import overlay
 from tpsim.film.camera import lit, viewpoint
 from tpsim.film.clip import Clip
 from tpsim.robot.home import put
+
+_INSET = 0.36
+"""Side of the inset, as a share of the picture's height."""
+
+_NEAR = 0.45
+"""Distance [m] of its camera."""
+
+_NEARER = 1.3
+"""Distance [m] from the centre of a clip that has one."""
 
 
 class Painter:
@@ -43,6 +54,11 @@ class Painter:
             model.vis.quality.numslices = 48
             model.vis.quality.numstacks = 24
         self._clip = clip
+        # A narrow picture shows as wide a piece of the scene as a square one.
+        wider = max(1.0, height / width)
+        model.cam_fovy[:] = np.degrees(
+            2 * np.arctan(wider * np.tan(np.radians(model.cam_fovy) / 2))
+        )
         self._camera = viewpoint(model, clip.camera or camera)
         self._model, self._data = model, mujoco.MjData(model)
         self._joints = [model.joint(name).qposadr[0] for name in clip.world.description.joints]
@@ -50,6 +66,10 @@ class Painter:
         self._caption = (
             overlay.Caption(clip.title, clip.subtitle, width, height) if clip.title else None
         )
+        self._readings = overlay.Readings(clip.readings, height)
+        self._legend = overlay.Legend(clip, height) if clip.legend else None
+        side = round(_INSET * height)
+        self._near = mujoco.Renderer(model, side, side) if clip.close is not None else None
         self._mocap = {name: model.body(name).mocapid[0] for name in clip.objects}
         put(model, self._data.qpos, clip.world.description.fixed)
 
@@ -58,21 +78,52 @@ class Painter:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Free the renderer."""
+        """Free the renderers."""
         self._renderer.close()
+        if self._near is not None:
+            self._near.close()
 
     def picture(self, sample: int) -> np.ndarray:
         """Draw one sample: (height, width, 3) bytes."""
         self._pose(sample)
-        self._renderer.update_scene(self._data, self._camera)
+        centre = self._clip.centre
+        camera = self._camera if centre is None else self._towards(centre, _NEARER)
+        self._renderer.update_scene(self._data, camera)
         self._renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
         self._renderer.scene.flags[mujoco.mjtRndFlag.mjRND_FOG] = True
         self._draw_over(sample)
         picture = self._renderer.render()
+        if self._near is not None:
+            above = self._caption.bar if self._caption else 0
+            overlay.inset(picture, self._close_up(sample), above)
+        self._readings.draw(picture, sample)
+        if self._legend is not None:
+            self._legend.draw(picture)
         if self._caption:
             forces = [np.linalg.norm(arrow.force[sample]) for arrow in self._clip.arrows]
             self._caption.draw(picture, self._clip.time[sample], float(max(forces, default=0.0)))
         return picture
+
+    def _close_up(self, sample: int) -> np.ndarray:
+        """The same moment from near, along the same line of sight."""
+        assert self._near is not None and self._clip.close is not None
+        camera = self._towards(self._clip.close[sample], _NEAR)
+        self._near.update_scene(self._data, camera)
+        self._near.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
+        small: np.ndarray = self._near.render()
+        return small
+
+    def _towards(self, point: np.ndarray, distance: float) -> mujoco.MjvCamera:
+        """A camera that sees a point from the direction of the film's camera."""
+        self._renderer.update_scene(self._data, self._camera)
+        eyes = self._renderer.scene.camera
+        away = point - (eyes[0].pos + eyes[1].pos) / 2
+        camera = mujoco.MjvCamera()
+        camera.lookat[:] = point
+        camera.distance = distance
+        camera.azimuth = np.degrees(np.arctan2(away[1], away[0]))
+        camera.elevation = np.degrees(np.arctan2(away[2], np.hypot(*away[:2])))
+        return camera
 
     def _pose(self, sample: int) -> None:
         clip, data = self._clip, self._data
@@ -95,15 +146,27 @@ class Painter:
             overlay.arrow(scene, arrow.point[sample], arrow.force[sample])
 
 
+def _widened(angle: Any, factor: float) -> Any:
+    """Angles of view [deg] at which so many times as much is seen."""
+    return np.degrees(2 * np.arctan(factor * np.tan(np.radians(angle) / 2)))
+
+
 def main() -> None:
-    """Draw the job on the standard input; frames come clip by clip."""
+    """Draw the job on the standard input; frames come row by row, clips of a row side by side."""
     out = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # nothing but pictures may go out
-    clips, frames, *settings = pickle.load(sys.stdin.buffer)
-    for index, clip in enumerate(clips):
+    rows, frames, camera, width, height, antialias = pickle.load(sys.stdin.buffer)
+    for index, clips in enumerate(rows):
         samples = [sample for i, sample in frames if i == index]
-        if samples:
-            with Painter(clip, *settings) as painter:
-                for sample in samples:
-                    out.write(painter.picture(sample).tobytes())
-                    out.flush()
+        edges = [width * k // len(clips) for k in range(len(clips) + 1)]
+        if not samples:
+            continue
+        with ExitStack() as stack:
+            painters = [
+                stack.enter_context(Painter(clip, camera, right - left, height, antialias))
+                for clip, left, right in zip(clips, edges, edges[1:], strict=False)
+            ]
+            for sample in samples:
+                parts = [painter.picture(sample) for painter in painters]
+                out.write(np.hstack(parts).tobytes())
+                out.flush()

@@ -23,7 +23,7 @@ _END = 0.6  # s for which the last picture of a clip stays
 
 
 def film(
-    clips: Sequence[Clip],
+    clips: Sequence[Clip | Sequence[Clip]],
     path: str | Path,
     *,
     camera: str = "",
@@ -32,6 +32,8 @@ def film(
     fps: int = 25,
 ) -> Path:
     """Write a film (H.264) of clips one after the other; return its path.
+
+    Several clips in one place are shown side by side, sample by sample.
 
     Two workers draw every other frame. The file appears under its name when it is whole.
 
@@ -46,7 +48,8 @@ def film(
 
     if not clips:
         raise ArgumentError("no clips were given: give at least one")
-    frames = [(i, sample) for i, clip in enumerate(clips) for sample in _samples(clip, fps)]
+    rows = [_row(clip) for clip in clips]
+    frames = [(i, sample) for i, row in enumerate(rows) for sample in _samples(row[0], fps)]
     with whole_path(Path(path), replace=True) as unfinished:
         writer = imageio_ffmpeg.write_frames(
             str(unfinished),
@@ -59,13 +62,13 @@ def film(
         )
         with contextlib.closing(writer):
             writer.send(None)
-            for picture in _pictures(clips, frames, camera, width, height, workers=2):
+            for picture in _pictures(rows, frames, camera, width, height, workers=2):
                 writer.send(picture)
     return Path(path)
 
 
 def still(
-    clip: Clip,
+    clip: Clip | Sequence[Clip],
     time: float,
     path: str | Path,
     *,
@@ -75,6 +78,8 @@ def still(
 ) -> Path:
     """Write the picture of a clip at ``time`` s as PNG, with smoothed edges; return its path.
 
+    Several clips are shown side by side, as in :func:`film`.
+
     Raises
     ------
     RenderingError, SimulationError
@@ -82,11 +87,23 @@ def still(
     """
     from PIL import Image
 
-    sample = _at(clip, np.array([time]))[0]
-    (picture,) = _pictures([clip], [(0, sample)], camera, width, height, antialias=4)
+    row = _row(clip)
+    sample = _at(row[0], np.array([time]))[0]
+    (picture,) = _pictures([row], [(0, sample)], camera, width, height, antialias=4)
     with whole_path(Path(path), replace=True) as unfinished:
         Image.frombytes("RGB", (width, height), picture).save(unfinished)
     return Path(path)
+
+
+def _row(clips: Clip | Sequence[Clip]) -> tuple[Clip, ...]:
+    """Clips that are shown side by side."""
+    row = (clips,) if isinstance(clips, Clip) else tuple(clips)
+    lengths = {len(clip.time) for clip in row}
+    if len(lengths) != 1:
+        raise ArgumentError(
+            f"clips side by side have {sorted(lengths)} samples; give one or more of equal length"
+        )
+    return row
 
 
 def _samples(clip: Clip, fps: int) -> np.ndarray:
@@ -102,7 +119,7 @@ def _at(clip: Clip, time: np.ndarray) -> np.ndarray:
 
 
 def _pictures(
-    clips: Sequence[Clip],
+    rows: Sequence[Sequence[Clip]],
     frames: Sequence[tuple[int, int]],
     camera: str,
     width: int,
@@ -111,13 +128,14 @@ def _pictures(
     antialias: int = 0,
     workers: int = 1,
 ) -> Iterator[bytes]:
-    """Yield the RGB bytes of every (clip, sample) of ``frames``, drawn by several workers."""
-    for clip in clips:
-        _check(clip, camera)
+    """Yield the RGB bytes of every (row, sample) of ``frames``, drawn by several workers."""
+    for row in rows:
+        for clip in row:
+            _check(clip, camera)
     environment = rendering.environment()
     shares = [frames[i::workers] for i in range(workers)]
     processes = [
-        _start((clips, share, camera, width, height, antialias), environment) for share in shares
+        _start((rows, share, camera, width, height, antialias), environment) for share in shares
     ]
     try:
         for i in range(len(frames)):

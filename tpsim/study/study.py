@@ -143,7 +143,8 @@ class Study:
     sections : callable, optional
         ``sections(records)``: more of the report.
     clips : callable, optional
-        ``clips(lab, records)``: sequences of the film; a demonstration and the worst trials by
+        ``clips(lab, records)``: sequences of the film, several in one place side by side; a
+        demonstration and the worst trials by
         default.
     show : callable, optional
         ``show(world, condition, rng) -> Lesson``: how the teacher shows a condition whose
@@ -164,7 +165,7 @@ class Study:
     title: str = ""
     lead: str = ""
     sections: Callable[[Records], list[Section]] | None = None
-    clips: Callable[[Lab, Records], list[Clip]] | None = None
+    clips: Callable[[Lab, Records], Sequence[Clip | Sequence[Clip]]] | None = None
     show: Callable[[World, Condition, np.random.Generator], Lesson] | None = None
     contest: Contest | None = None
     reference: str = ""

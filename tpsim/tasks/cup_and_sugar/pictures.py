@@ -1,16 +1,17 @@
 """Pictures of the study of cup and sugar: sections of its report, sequences of its film."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from tpsim.film.clip import Clip, Ellipsoid
+from tpsim.film.clip import Clip, Ellipsoid, Reading
 from tpsim.study import plot
-from tpsim.study.condition import Lead
+from tpsim.study.condition import Condition, Lead
 from tpsim.study.record import Record, Records
 from tpsim.study.report import Picture, Section
 from tpsim.study.study import Lab
-from tpsim.task.task import Task, draw_situation
+from tpsim.task.task import Situation, Task, draw_situation
 from tpsim.task.verbs import perform
 from tpsim.tasks.cup_and_sugar import conditions
 from tpsim.tasks.cup_and_sugar.measures import offset, tilt, yielding
@@ -96,19 +97,48 @@ _CAPTIONS: Mapping[str, tuple[str, str]] = {
 }
 
 
-def clips(lab: Lab, records: Records) -> list[Clip]:
-    """The four sequences of Fig. 9: two demonstrations, one behaviour led, both pushed."""
-    shown = []
+def clips(lab: Lab, records: Records) -> list[Clip | Sequence[Clip]]:
+    """The four sequences of Fig. 9, and the same push met by other controllers."""
+    shown: list[Clip | Sequence[Clip]] = []
     for name, caption in _CAPTIONS.items():
         if lab.taught.get(name):
-            shown.append(clip(lab, lab.taught[name][0], *caption, speed=2.0))
+            shown.append(clip(lab, lab.taught[name][0], *caption, of=(name,), speed=2.0))
     task = lab.task
     if "sugar" in lab.models:
         alone = type(task)(taught=("sugar",))  # type: ignore[call-arg]
         caption = "Reproduction: sugar above the cup", "a person leads the left hand by 15 cm"
-        shown.append(clip(lab, _led(lab, alone), *caption))
+        shown.append(clip(lab, _led(lab, alone), *caption, of=("sugar",)))
     caption = "Reproduction: " + " + ".join(lab.models), "pushes of 20 N on the left hand"
-    return [*shown, clip(lab, _pushed(lab, task), *caption)]
+    shown.append(clip(lab, _pushed(lab, task), *caption))
+    return [*shown, *_compared(lab, records)]
+
+
+def _compared(lab: Lab, records: Records) -> list[Sequence[Clip]]:
+    """The first push that all of them met: learned, expert, stiff."""
+    for learned in records.select("pushed"):
+        same = {
+            name: next(
+                (
+                    record
+                    for record in records.select("pushed", name)
+                    if record.condition.push == learned.condition.push
+                    and record.condition.situation.index == learned.condition.situation.index
+                ),
+                None,
+            )
+            for name in ("cartesian", "stiff")
+        }
+        found = {"learned": learned, "expert": same["cartesian"], "stiff joints": same["stiff"]}
+        if all(found.values()):
+            return [[_narrow(lab, r.trial, name) for name, r in found.items() if r is not None]]
+    return []
+
+
+def _narrow(lab: Lab, trial: Trial, title: str) -> Clip:
+    """A trial seen from nearer, without what there is no room for side by side."""
+    shown = clip(lab, trial, title, "")
+    assert shown.close is not None
+    return replace(shown, centre=shown.close[0], legend=(), close=None)
 
 
 def _led(lab: Lab, task: Task) -> Trial:
@@ -129,13 +159,21 @@ def _pushed(lab: Lab, task: Task) -> Trial:
     return perform(task, lab.models, situation, people=pushes, duration=9.0)
 
 
-def clip(lab: Lab, trial: Trial, title: str, subtitle: str, *, speed: float = 1.0) -> Clip:
-    """A recorded trial with forces as arrows, hand traces and stiffness ellipsoids."""
+def clip(
+    lab: Lab,
+    trial: Trial,
+    title: str,
+    subtitle: str,
+    *,
+    of: Collection[str] = ("cup", "sugar"),
+    speed: float = 1.0,
+) -> Clip:
+    """A trial with forces, traces, stiffness; tilt and offset as measured; the cup from near."""
     ellipsoids = [
         Ellipsoid(trial[f"{hand}_position"], trial[f"{hand}_stiffness"])
         for hand in trial.channels.hands
     ]
-    return Clip.of(
+    shown = Clip.of(
         lab.world,
         trial,
         title,
@@ -143,4 +181,16 @@ def clip(lab: Lab, trial: Trial, title: str, subtitle: str, *, speed: float = 1.
         traces=(trial["cup_position"], trial["sugar_position"]),
         ellipsoids=tuple(ellipsoids),
         speed=speed,
+    )
+    start = Situation(tuple(trial["q"][0].tolist()))
+    record = Records(lab.task, lab.models).add(Condition("film", start), trial)
+    readings = {
+        "cup": lambda: Reading("cup tilt", tilt(record), "deg", 3.0),
+        "sugar": lambda: Reading("sugar off its place", offset(record), "mm", 6.0),
+    }
+    return replace(
+        shown,
+        readings=tuple(make() for name, make in readings.items() if name in {*of} & {*lab.models}),
+        legend=("path of the cup", "path of the sugar"),
+        close=(trial["cup_position"] + trial["sugar_position"]) / 2,
     )

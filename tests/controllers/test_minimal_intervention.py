@@ -75,6 +75,15 @@ def test_stiffness_is_a_spring(robot, state):
     assert np.linalg.eigvalsh((felt + felt.T) / 2).min() > 0
 
 
+def test_a_hand_feels_the_spring_on_it_while_all_else_is_free(robot, state):
+    """K = J^T K_x J has no stiffness but at the hand, where it is K_x."""
+    J = state.jacobian("left_gripper")
+    root = np.random.default_rng(5).normal(size=(6, 6)) * [20, 20, 20, 3, 3, 3]
+    spring = root.T @ root + np.diag([100.0, 100, 100, 5, 5, 5])
+    felt = hand_stiffness(J, J.T @ spring @ J)
+    np.testing.assert_allclose(felt, spring, rtol=1e-4, atol=1e-4 * spring.max())
+
+
 def test_behaviours_taught_apart_are_multiplied(robot, state):
     """Precisions add, and information vectors add: the product of the controllers (Fig. 9)."""
     both = [skill(robot, seed=k) for k in (0, 1)]

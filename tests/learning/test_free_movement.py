@@ -5,7 +5,7 @@ import pytest
 
 from tpsim import Gaussian
 from tpsim.errors import ArgumentError
-from tpsim.learning.free_movement import chance_of, relevance
+from tpsim.learning.free_movement import BOUNDARY, chance_of, free_share, relevance
 
 KINDS = ("position",) * 3
 
@@ -79,6 +79,7 @@ def test_the_boundary_is_where_both_hypotheses_are_as_probable():
     s = np.log(3)
     z = s * np.sqrt(-2 * np.log(np.sqrt(2 * np.pi) * s / np.log(1e3)))
     assert boundary == pytest.approx(np.exp(-z), rel=5e-3)
+    assert chance_of(BOUNDARY) == pytest.approx(0.5, abs=1e-12)
     assert (np.diff(chance) < 0).all()
     assert (chance_of(ratios, 10.0)[:500] < chance[:500]).all()  # fewer samples, weaker evidence
 
@@ -92,6 +93,30 @@ def test_random_free_directions_are_rarely_taken_for_precise():
         found = relevance(Gaussian(np.zeros((1, 3)), np.cov(x.T)[None]), np.eye(3), KINDS, 20)
         wrong += found.matters.any()
     assert wrong <= 3
+
+
+def test_a_direction_of_the_product_is_free_up_to_the_same_boundary():
+    precision = np.array([0.0, 1.0, BOUNDARY**-2, 1e4])
+    share = free_share(precision, np.ones(4))
+    np.testing.assert_allclose(share[:3], [1.0, 1 / (1 + BOUNDARY**4), 0.5])
+    assert share[3] < 1e-4
+    np.testing.assert_array_equal(free_share(precision, np.zeros(4)), 0)
+
+
+def test_two_estimates_of_one_frame_leave_what_was_free_free():
+    """Both say level, each a little beside the other: heading becomes precise in their product."""
+    rng, shares, wrong = np.random.default_rng(4), [], 0
+    free = 0.35**2 * np.eye(3)
+    for _ in range(200):
+        W = np.zeros((3, 3))
+        for _ in range(2):
+            x = rng.standard_normal((20, 3)) * [0.02, 0.02, 0.35]
+            found = relevance(Gaussian(np.zeros((1, 3)), np.cov(x.T)[None]), free, KINDS, 20)
+            wrong += found.matters.sum() != 2
+            W += found.precision[0]
+        shares.append(free_share(np.linalg.eigvalsh(W), np.full(3, 0.35**-2)))
+    assert wrong <= 4
+    assert np.max(shares, axis=0)[1] < 0.01 and np.quantile(shares, 0.05, axis=0)[0] > 0.9
 
 
 def test_with_too_few_samples_everything_counts():

@@ -5,9 +5,6 @@ from scipy.linalg.lapack import dgesv, dsyevd, dtrtrs
 
 from tpsim.robot.state import State
 
-WEAK = 30.0
-"""Stiffness [1/s^2] of a mode that is no more than half a spring: slower than 1 Hz."""
-
 LOOSE = 0.03
 """Share of a hand's mobility from which on a direction counts as one that the hand decides."""
 
@@ -22,16 +19,12 @@ def felt_mass(state: State) -> float:
     return float(np.mean(masses))
 
 
-def loose(stiffness: np.ndarray) -> np.ndarray:
-    """Share (n,) in which modes are free: 1 without stiffness [1/s^2], 0 with much of it."""
-    return 1 / (1 + (stiffness / WEAK) ** 2)
-
-
 def damping(
     state: State,
     L: np.ndarray,
     V: np.ndarray,
     stiffness: np.ndarray,
+    share: np.ndarray,
     friction: float,
     rate: float,
 ) -> np.ndarray:
@@ -39,8 +32,8 @@ def damping(
 
     In the coordinates z = L^T q, M = L L^T, with modes V and their stiffness K_z:
 
-    - Every mode is damped as the optimum is, D_z = (2 K_z)^1/2, and a free one, in the share of
-      :func:`loose`, loses its speed at ``rate``.
+    - Every mode is damped as the optimum is, D_z = (2 K_z)^1/2, and a free one, in its share,
+      loses its speed at ``rate``.
     - Where a hand is free to go, ``rate`` gives way to the same friction in all directions, so
       that a person feels ``friction`` times the speed whatever the posture. A motion that several
       hands make together is slowed at the first of them alone: friction at the others would have
@@ -57,13 +50,15 @@ def damping(
         Modes, in the columns.
     stiffness : (n,)
         K_z [1/s^2].
+    share : (n,)
+        In which modes are free, from 0 to 1.
     friction : float
         [Ns/m]
     rate : float
         [1/s]
     """
     # In the coordinates of the modes, V^T z, shares are factors.
-    n, share = len(V), loose(stiffness)
+    n = len(V)
     D = np.diag(np.sqrt(2 * stiffness))
     # What no hand has decided so far, and what is not yet slowed as a hand.
     undecided, slow = np.eye(n), np.eye(n)

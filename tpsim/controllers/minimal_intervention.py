@@ -4,14 +4,16 @@ from collections.abc import Sequence
 from math import atan, pi, sqrt
 
 import numpy as np
+from scipy.linalg.lapack import dtrtrs
 
 from tpsim.border import Count, NotNegative, Positive, border
 from tpsim.checks import number
-from tpsim.controllers.friction import damping, felt_mass, loose
+from tpsim.controllers.friction import damping, felt_mass
 from tpsim.controllers.intervention import NOTHING, Intervention, Modes
-from tpsim.controllers.product import Skill
+from tpsim.controllers.product import Information, Skill
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
+from tpsim.learning.free_movement import free_share
 from tpsim.robot.state import State
 from tpsim.world.impedance import Impedance
 
@@ -36,7 +38,8 @@ class MinimalIntervention(Intervention):
         Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement, instead
         of ``bandwidth``.
     prior : Gaussian (n,), optional
-        Joint posture [rad] for directions that no frame determines.
+        Joint posture [rad] for directions that no frame determines. Like a frame, it counts where
+        it is more precise than free movement.
     every : int
         Control steps for which stiffness, damping and reference last; the torque follows the
         state at every step. At 62 Hz the largest errors under a push are those at 125 Hz within
@@ -64,18 +67,25 @@ class MinimalIntervention(Intervention):
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the product of all frames at a state."""
-        modes = Modes.of(self.product(state), state)
+        product = self.product(state)
+        modes = Modes.of(product, state)
         if self._begun is None:
             self._begun = self._cost(modes), self.friction / felt_mass(state)
         cost, rate = self._begun
-        K = np.sqrt(modes.precision / cost)
+        share = self._free(product, modes)
+        K = np.sqrt(modes.precision / cost) * (1 - share)
         if self.effort is None:
-            # Frames that nearly agree leave springs that would take seconds: they are none.
-            K = np.minimum(K, self._stiffest) * (1 - loose(K))
+            K = np.minimum(K, self._stiffest)
         L, V = modes.inertia_root, modes.vectors
         root = L @ V
-        D = damping(state, L, V, K, self.friction, rate)
+        D = damping(state, L, V, K, share, self.friction, rate)
         return Impedance((root * K) @ root.T, D, state.q + modes.way)
+
+    def _free(self, product: Information, modes: Modes) -> np.ndarray:
+        """Share (n,) in which the modes are free."""
+        assert self._product is not None
+        along = dtrtrs(modes.inertia_root, modes.vectors, lower=1, trans=1)[0]
+        return free_share(modes.precision, self._product.free(product.jacobian @ along))
 
     def _cost(self, modes: Modes) -> float:
         """Effort as given, or that with which the most precise mode has the bandwidth."""

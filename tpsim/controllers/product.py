@@ -111,6 +111,14 @@ class Product:
         ]
         self.stack = Stack([view for view, _ in pairs], [size for _, size in pairs])
         self._experts = [StackedModel(skill, self.stack) for skill in skills]
+        roots, self._free_starts = [np.zeros((0, self.stack.size))], []
+        for skill in skills:
+            for view, known in zip(skill.views.values(), skill.model.relevance, strict=False):
+                root = np.zeros((len(known.free), self.stack.size))
+                root[:, self.stack.blocks[view]] = np.linalg.cholesky(np.linalg.inv(known.free)).T
+                self._free_starts.append(sum(map(len, roots)))
+                roots.append(root)
+        self._free = np.concatenate(roots)
         # With one component each, nothing depends on the state.
         self._fixed = None
         if all(expert.components == 1 for expert in self._experts):
@@ -127,6 +135,17 @@ class Product:
     def seen(self) -> np.ndarray:
         """Precision (m, m) of all Gaussians as they were learned, summed over components."""
         return np.sum([expert.seen.sum(0) for expert in self._experts], axis=0)
+
+    def free(self, directions: np.ndarray) -> np.ndarray:
+        """Precision (k,) of free movement along changes (m, k) of the stacked views.
+
+        That of the frame which sees most of it; zero where no frame knows of free movement.
+        """
+        if not self._free_starts:
+            return np.zeros(directions.shape[1])
+        seen = (self._free @ directions) ** 2
+        most: np.ndarray = np.add.reduceat(seen, self._free_starts).max(axis=0)
+        return most
 
     def at(self, state: State) -> Information:
         """The product at a state."""

@@ -10,7 +10,7 @@ from tpsim.border import Positive, checked
 from tpsim.covariance import symmetric
 from tpsim.pose import Pose
 from tpsim.robot.state import State
-from tpsim.world.impedance import Impedance, hand_stiffness
+from tpsim.world.impedance import Impedance, compliance, hand_stiffness
 
 Pair = tuple[Positive, Positive]
 
@@ -148,7 +148,7 @@ def _own(J: np.ndarray, gains: np.ndarray, change: np.ndarray) -> tuple[np.ndarr
     if not gains.any():
         return own, changes
     stacked = J.reshape(-1, J.shape[-1])
-    G = np.linalg.pinv(stacked @ np.linalg.solve(gains, stacked.T), rcond=1e-12, hermitian=True)
+    G = np.linalg.pinv(compliance(stacked, gains), rcond=1e-12, hermitian=True)
     wrench = G @ (stacked @ change)
     for h in range(len(J)):
         rows = slice(6 * h, 6 * h + 6)

@@ -28,6 +28,10 @@ DECADES = float(np.log(1e3))
 each size as likely as any other."""
 
 
+BOUNDARY = float(np.exp(-SPREAD * np.sqrt(2 * np.log(DECADES / (np.sqrt(2 * np.pi) * SPREAD)))))
+"""Deviation over that of free movement, 0.23, at which both hypotheses are as probable."""
+
+
 @dataclass(frozen=True, eq=False)
 class Relevance(Part):
     """What one frame says beyond free movement.
@@ -139,3 +143,23 @@ def chance_of(ratio: ArrayLike, samples: float = np.inf) -> np.ndarray:
     variance = SPREAD**2 + 0.5 / samples
     free = np.exp(-0.5 * z**2 / variance) / np.sqrt(2 * np.pi * variance)
     return (1 / DECADES) / (free + 1 / DECADES)
+
+
+def free_share(precision: ArrayLike, free: ArrayLike) -> np.ndarray:
+    """Share in which directions of a product of frames are free: 1 as free movement, 0 precise.
+
+    Two frames that ask for nearly the same differ by the error of their estimates, and so their
+    product is weakly precise in a direction in which neither of them is: with n samples by
+    about 1/n of the precision of free movement. A direction therefore matters in the product, too,
+    only where its deviation is below :data:`BOUNDARY` of free movement.
+
+    Parameters
+    ----------
+    precision : (n,)
+        Of the product in each direction.
+    free : (n,)
+        That it would have if movement was free in the frame that sees it best.
+    """
+    beyond, least = np.asarray(precision, float) * BOUNDARY**2, np.asarray(free, float)
+    # Where neither is known nothing is free.
+    return least**2 / np.maximum(beyond**2 + least**2, 1e-300)

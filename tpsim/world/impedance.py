@@ -16,6 +16,9 @@ from tpsim.robot.state import State
 from tpsim.world.guard import Guard
 from tpsim.world.tank import Energies, Ledger, Tank
 
+_LEAST = 1e-10
+"""Share of all stiffness that is taken for none."""
+
 
 @dataclass(frozen=True, eq=False)
 class Impedance:
@@ -154,6 +157,17 @@ class Drive:
             self._lead = now.stiffness @ (self._period * now.velocity)
 
 
+def compliance(J: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+    """How far directions J (..., m, n) give way, J K^-1 J^T (..., m, m), under K (..., n, n).
+
+    A motion without any stiffness gives way ten thousand million times as far as the others.
+    """
+    least = _LEAST * np.trace(stiffness, axis1=-2, axis2=-1)
+    known = stiffness + least[..., None, None] * np.eye(stiffness.shape[-1])
+    given: np.ndarray = J @ np.linalg.solve(known, J.mT)
+    return given
+
+
 def hand_stiffness(J: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
     """Physical stiffness (..., 6, 6) of a hand, from joint stiffness (..., n, n) [Nm/rad].
 
@@ -169,11 +183,11 @@ def hand_stiffness(J: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
     # Directions in which the arm never moves, such as out of a plane, are left out.
     rows = np.flatnonzero(np.abs(J).max(axis=(*range(J.ndim - 2), -1)) > 1e-9)
     moving = J[stiff][..., rows, :]
-    compliance = moving @ np.linalg.solve(stiffness[stiff], moving.mT)
+    given = compliance(moving, stiffness[stiff])
     first = moving.reshape(-1, *moving.shape[-2:])[0]
     full = np.linalg.matrix_rank(first) == len(rows)
-    inverse = np.linalg.inv(compliance) if full else np.linalg.pinv(compliance, rcond=1e-10)
-    block = np.zeros((*compliance.shape[:-2], 6, 6))
+    inverse = np.linalg.inv(given) if full else np.linalg.pinv(given, rcond=1e-10)
+    block = np.zeros((*given.shape[:-2], 6, 6))
     block[..., rows[:, None], rows] = inverse
     felt[stiff] = block
     return felt

@@ -71,7 +71,6 @@ from tpsim.scene.compose import Camera as Camera
 from tpsim.scene.compose import Held as Held
 from tpsim.scene.compose import Placed as Placed
 from tpsim.scene.compose import world as world
-from tpsim.study.campaign import run as run
 from tpsim.study.condition import Condition as Condition
 from tpsim.study.condition import Lead as Lead
 from tpsim.study.contest import Contest as Contest
@@ -84,6 +83,7 @@ from tpsim.study.pareto import pareto as pareto
 from tpsim.study.record import Record as Record
 from tpsim.study.record import Records as Records
 from tpsim.study.reference import load_study as load_study
+from tpsim.study.running import run as run
 from tpsim.study.study import Lab as Lab
 from tpsim.study.study import Plan as Plan
 from tpsim.study.study import Study as Study

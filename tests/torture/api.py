@@ -79,7 +79,7 @@ INSIDE = {
         ["lab.Error.number", "lab.Expert.__call__",
          *(f"lab.Contest.{step}" for step in ("conditions", "figures", "forces", "led_from",
            "moved", "pushed_in", "standing"))],
-        "the campaign calls it, with records and situations of its own",
+        "the run calls it, with records and situations of its own",
     ),
     "lab.pareto": "takes NaN and infinity for what could not be measured",
     "lab.tune": "takes minutes; its arguments pass the border",

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from tyro.conf import FlagCreatePairsOff, Positional, arg
 
+from tpsim.cli.campaign import Campaign
 from tpsim.cli.comparison import Compare
 from tpsim.cli.export import Export
 from tpsim.cli.options import (
@@ -235,7 +236,7 @@ def _say(name: str) -> None:
 COMMANDS: Mapping[str, type[Command | StudyCommand]] = {
     command.__name__.lower(): command
     for command in (
-        *(Run, Teach, Learn, Reproduce, Push, Tune, Replay, Export, Data),
+        *(Run, Campaign, Teach, Learn, Reproduce, Push, Tune, Replay, Export, Data),
         *(Compare, Bench, Demo, Doctor),
     )
 }

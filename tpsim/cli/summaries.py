@@ -5,6 +5,8 @@ import textwrap
 
 SUMMARIES = {
     "run": "Teach, learn, reproduce, push, film and report: the whole job of a task.",
+    "campaign": "Try a task thousands of times, pushed, beside undisturbed twins; go on where it "
+    "stopped.",
     "teach": "Lead the arms through a task and record the demonstrations.",
     "learn": "Fit the task-parameterized models to recorded demonstrations.",
     "reproduce": "Repeat the learned task in a situation that was never taught.",

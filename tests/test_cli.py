@@ -255,7 +255,7 @@ def test_recorded_demonstrations_replay_bit_for_bit(run, tmp_path):
 def test_a_replay_that_differs_fails(run, monkeypatch):
     answer = {"verdict": "all 2 trials came out again, bit for bit", "repeats": True}
     monkeypatch.setattr("tpsim.study.files.run.load_run", lambda folder: folder)
-    monkeypatch.setattr("tpsim.study.replay.replay", lambda run, study: answer)
+    monkeypatch.setattr("tpsim.study.replay.replay", lambda *_, **__: answer)
     assert run("replay folder")[0] == 0
     answer |= {"repeats": False}
     code, out, _ = run("replay folder --json")

@@ -12,7 +12,7 @@ from tpsim.errors import RecordingError
 from tpsim.study.files import limits
 from tpsim.study.files.checked import from_json, plain, to_json
 from tpsim.study.files.inside import checksum, read_text_inside
-from tpsim.study.files.run_file import environment, git_commit, now
+from tpsim.study.files.run_file import differing, environment, git_commit, now
 from tpsim.whole import sweep, write_text
 
 if TYPE_CHECKING:
@@ -184,13 +184,10 @@ def check_versions(folder: Folder) -> None:
     RecordingError
         Names what differs.
     """
-    then, here = folder.file.versions, environment()
-    names = sorted(then.keys() | here.keys())
-    if changed := [name for name in names if then.get(name) != here.get(name)]:
-        said = ", ".join(f"{n} {then.get(n)} there, {here.get(n)} here" for n in changed)
+    if changed := differing(folder.file.versions):
         raise RecordingError(
-            f"{folder.path} was begun with other versions ({said}): bits would differ; install "
-            "those, or give a new folder"
+            f"{folder.path} was begun with other versions ({'; '.join(changed)}): bits would "
+            "differ; install those, or give a new folder"
         )
 
 

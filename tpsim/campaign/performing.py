@@ -20,7 +20,7 @@ from tpsim.study.executor import perform_condition
 from tpsim.study.files.trial_file import save_trial
 from tpsim.study.leading import led_off
 from tpsim.study.record import Records
-from tpsim.study.study import Study
+from tpsim.study.study import Lab, Study
 from tpsim.task.task import Models, Situation, draw_situation
 from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
@@ -66,6 +66,8 @@ class Bench:
     folder : Folder
     study : Study
         Of the campaign, with its own fields.
+    same : bool
+        Whether the versions here have to be those of the folder.
 
     Raises
     ------
@@ -73,8 +75,9 @@ class Bench:
         If the versions here are not those of the folder.
     """
 
-    def __init__(self, folder: Folder, study: Study):
-        check_versions(folder)
+    def __init__(self, folder: Folder, study: Study, same: bool = True):
+        if same:
+            check_versions(folder)
         self._folder, self._study = folder, study
         self._plants = folder.campaign.all_plants
         self._lessons: OrderedDict[object, tuple[Study, Models, str]] = OrderedDict()
@@ -92,6 +95,16 @@ class Bench:
         with self._lock, one_thread():
             found = asked(self._folder.campaign, number)
             return self._performed(found, self._condition(found))
+
+    def lab(self, number: int) -> Lab:
+        """The study, world and models of one trial."""
+        return Lab(*self._lesson(asked(self._folder.campaign, number)))
+
+    def said(self, number: int) -> str:
+        """What one trial is, in a line."""
+        found = asked(self._folder.campaign, number)
+        parts = [found.controller, found.plant, f"situation {found.situation}"]
+        return ", ".join([*parts, *(f"{k} {_short(v)}" for k, v in found.drawn.items())])
 
     def row(self, number: int) -> tuple[Row, Trial | None]:
         """Figures of one trial, and the trial; None where it failed."""
@@ -207,6 +220,12 @@ class Bench:
 def bench(given: tuple[Folder, Study]) -> Callable[[Job], Done]:
     """What a worker does with jobs."""
     return Bench(*given).perform
+
+
+def _short(value: object) -> str:
+    if isinstance(value, tuple):
+        return " ".join(map(_short, value))
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
 def _kept(memory: "OrderedDict[object, T]", key: object, most: int, make: Callable[[], T]) -> T:

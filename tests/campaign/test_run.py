@@ -59,7 +59,7 @@ def test_a_row_is_what_its_trial_is(undisturbed):
 def test_twice_the_force_on_a_spring_moves_it_twice_as_far(undisturbed):
     """Force over displacement is stiffness, and pairs differ in force alone."""
     found = [r for r in rows(undisturbed[1]) if r["controller"] == "still"]
-    one, two = ([r for r in found if r["force_N"] == force][0] for force in (1.0, 2.0))
+    one, two = (next(r for r in found if r["force_N"] == force) for force in (1.0, 2.0))
     assert two["displacement_max_mm"] == pytest.approx(2 * one["displacement_max_mm"], rel=0.05)
 
 
@@ -85,7 +85,7 @@ def test_the_table_is_read_while_it_runs(undisturbed, described, begun):
 def test_another_campaign_is_refused_and_nothing_touched(described, undisturbed, begun):
     other = replace(described, seed=1)
     before = sorted(begun.rglob("*"))
-    with pytest.raises(RecordingError, match="another campaign .seed is 0, not 1"):
+    with pytest.raises(RecordingError, match=r"another campaign .seed is 0, not 1"):
         campaign(other, begun)
     assert sorted(begun.rglob("*")) == before
     with pytest.raises(RecordingError, match="is no campaign's folder"):

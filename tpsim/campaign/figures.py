@@ -67,13 +67,12 @@ def figures_row(
     models: Models,
     condition: Condition,
     trial: Trial,
-    twin: Trial,
+    beside: Record,
     success: tuple[str, ...],
 ) -> Row:
-    """Row of a trial that was performed, beside its undisturbed twin."""
-    records = Records(study.task, models)
-    rest = replace(condition, label=UNPUSHED, push=(), lead=())
-    beside = records.add(rest, twin)
+    """Row of a trial that was performed, beside the record of its undisturbed twin."""
+    records, twin = Records(study.task, models), beside.trial
+    records.include(beside)
     record = records.add(condition, trial) if condition.people else beside
     row = row | {
         "outcome": trial.outcome,

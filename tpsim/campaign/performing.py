@@ -19,7 +19,7 @@ from tpsim.study.condition import Condition
 from tpsim.study.executor import perform_condition
 from tpsim.study.files.trial_file import save_trial
 from tpsim.study.leading import led_off
-from tpsim.study.record import Records
+from tpsim.study.record import Record, Records
 from tpsim.study.study import Lab, Study
 from tpsim.task.task import Models, Situation, draw_situation
 from tpsim.world.threads import one_thread
@@ -81,7 +81,7 @@ class Bench:
         self._folder, self._study = folder, study
         self._plants = folder.campaign.all_plants
         self._lessons: OrderedDict[object, tuple[Study, Models, str]] = OrderedDict()
-        self._twins: OrderedDict[object, Trial] = OrderedDict()
+        self._twins: OrderedDict[object, Record] = OrderedDict()
         self._situations: OrderedDict[object, Situation] = OrderedDict()
         self._lock = Lock()
 
@@ -114,7 +114,7 @@ class Bench:
             condition = self._condition(found)
             row = asked_row(found, condition)
             twin = self._twin(found)
-            trial = twin if not condition.people else self._performed(found, condition)
+            trial = self._performed(found, condition) if condition.people else twin.trial
             study, models = self._lesson(found)
             success = self._folder.campaign.success
             return figures_row(row, study, models, condition, trial, twin, success), trial
@@ -192,15 +192,13 @@ class Bench:
             return replace(rest, label="pushed", push=(push,))
         if isinstance(people, Leads):
             lead = lead_of(people, found.drawn, duration, hand)
-            records = Records(study.task, {})
-            twin = records.add(rest, self._twin(found))
-            return replace(led_off(twin, lead), label="led")
+            return replace(led_off(self._twin(found), lead), label="led")
         return rest
 
-    def _twin(self, found: Asked) -> Trial:
+    def _twin(self, found: Asked) -> Record:
         """The same trial undisturbed."""
 
-        def performed() -> Trial:
+        def performed() -> Record:
             rest = Condition(
                 UNPUSHED,
                 self._situation(found),
@@ -208,7 +206,9 @@ class Bench:
                 plant=self._plants[found.plant],
                 duration=self._folder.campaign.duration,
             )
-            return self._performed(found, rest)
+            study, models = self._lesson(found)
+            records = Records(study.task, models)
+            return records.add(rest, self._performed(found, rest))
 
         return _kept(self._twins, found.twin, _TWINS, performed)
 

@@ -8,7 +8,6 @@ from tpsim.border import NotNegative, Point, checked
 from tpsim.robot.state import State
 from tpsim.world.simulation import Simulation
 
-
 _NOTHING = np.zeros(6)
 
 

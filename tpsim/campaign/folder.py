@@ -154,7 +154,7 @@ def open_folder(path: Path, campaign: Campaign, command: str) -> Folder:
     wanted = from_json(to_json(campaign), Campaign, "the campaign")
     if there.campaign != wanted:
         raise RecordingError(
-            f"{path} is of another campaign ({_difference(there.campaign, wanted)}); give another "
+            f"{path} is of another campaign ({difference(there.campaign, wanted)}); give another "
             "folder, or the same command"
         )
     return there
@@ -191,7 +191,8 @@ def check_versions(folder: Folder) -> None:
         )
 
 
-def _difference(one: Campaign, other: Campaign) -> str:
+def difference(one: Campaign, other: Campaign) -> str:
+    """What two campaigns say differently, in words."""
     first, second = (_flat(plain(campaign)) for campaign in (one, other))
     names = [n for n in first.keys() | second.keys() if first.get(n) != second.get(n)]
     said = [f"{n} is {first.get(n)}, not {second.get(n)}" for n in sorted(names)[:3]]

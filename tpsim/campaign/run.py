@@ -12,7 +12,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from tpsim.border import Count, border
-from tpsim.campaign import lessons
+from tpsim.campaign import lessons, report
 from tpsim.campaign.campaign import Campaign, named
 from tpsim.campaign.design import asked, blocks, lessons_of, trials_of
 from tpsim.campaign.figures import asked_row, failed_row
@@ -104,7 +104,7 @@ def campaign(
         "teaching_seconds": round(taught - began, 2),
         "wall_seconds": round(wall, 2),
         "simulated_seconds_per_second": round(sum(d.simulated for d in done) / max(wall, 1e-9), 2),
-        **finished(opened),
+        **finished(opened, base),
     }
 
 
@@ -133,16 +133,18 @@ def standing(folder: Folder) -> Answer:
     }
 
 
-def finished(folder: Folder) -> Answer:
-    """Write one table of all rows, where all blocks are done; say where they are."""
-    table = folder.path / "table"
-    if folder.complete:
-        import pyarrow
+def finished(folder: Folder, study: Study) -> Answer:
+    """Write one table of all rows and the report, where all blocks are done; say where they are."""
+    paths = {"campaign": str(folder.path)}
+    if not folder.complete:
+        return {"table": str(folder.path / "table"), "paths": paths}
+    import pyarrow
 
-        whole = pyarrow.concat_tables(folder.tables(), promote_options="default")
-        table = folder.path / "table.parquet"
-        write_table(table, whole.replace_schema_metadata(folder.about), replace=True)
-    return {"table": str(table), "paths": {"campaign": str(folder.path)}}
+    whole = pyarrow.concat_tables(folder.tables(), promote_options="default")
+    table = folder.path / "table.parquet"
+    write_table(table, whole.replace_schema_metadata(folder.about), replace=True)
+    say("reporting")
+    return {"table": str(table), "paths": paths | report.write(folder, study, whole)}
 
 
 def _missing(folder: Folder, retry: bool) -> list[int]:

@@ -224,6 +224,22 @@ class CampaignFile(Work, Command):
         return replace(self, out=self.file).perform(described, study, "")
 
 
+@dataclass(frozen=True, kw_only=True)
+class CampaignCompare(Command):
+    """Compare two campaigns: the same trials, cell by cell, with intervals."""
+
+    one: Annotated[Positional[Path], arg(metavar="A")]
+    """Folder of a campaign."""
+    other: Annotated[Positional[Path], arg(metavar="B")]
+    """Folder of another, from which the first is taken."""
+
+    def execute(self) -> Answer:
+        """Compare what both have."""
+        from tpsim.campaign.compare import compare
+
+        return compare(self.one, self.other)
+
+
 def _shard(given: str) -> tuple[int, int]:
     found = re.fullmatch(r"(\d{1,9})/(\d{1,9})", given)
     if found is None or not int(found[2]) > 0 or int(found[1]) > int(found[2]):

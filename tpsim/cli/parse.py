@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import tyro
 
-from tpsim.cli.campaign import CampaignFile
+from tpsim.cli.campaign import CampaignCompare, CampaignFile
 from tpsim.cli.commands import COMMANDS
 from tpsim.cli.fields import varied, with_fields
 from tpsim.cli.options import (
@@ -86,7 +86,9 @@ def parse(arguments: Sequence[str]) -> Call:
     line, command = shlex.join(["tpsim", *arguments]), COMMANDS[name]
     if name == "learn" and _names_a_recording(rest):
         command = LearnFile
-    if name == "campaign" and rest and _names_a_campaign(rest[0]):
+    if name == "campaign" and rest[:1] == ["compare"]:
+        name, rest, command = "campaign compare", rest[1:], CampaignCompare
+    elif name == "campaign" and rest and _names_a_campaign(rest[0]):
         command = CampaignFile
     if issubclass(command, StudyCommand):
         return _about_a_study(name, command, rest, line)

@@ -1,5 +1,6 @@
 """Dask workers in the place of processes, behind the same seam: concurrent.futures.Executor."""
 
+import logging
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -41,7 +42,12 @@ def dask(address: str, workers: int) -> "Iterator[tuple[Callable[[int], Executor
         from distributed import Client, LocalCluster
     if address == LOCAL:
         with (
-            LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=":0") as there,
+            LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                dashboard_address=":0",
+                silence_logs=logging.ERROR,
+            ) as there,
             Client(there) as client,
         ):
             yield (lambda _: DaskExecutor(client)), workers

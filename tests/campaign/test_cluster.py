@@ -6,17 +6,18 @@ import subprocess
 import sys
 import threading
 import time
+from dataclasses import replace
 
 import pytest
+from distributed import Client
 
 from tpsim.campaign import cluster
 from tpsim.campaign.cluster import dask
 from tpsim.campaign.run import campaign
 from tpsim.errors import SimulationError
+from tpsim.study.reference import load_study
 
 from .test_run import begun, rows
-
-pytest.importorskip("distributed")
 
 assert begun
 
@@ -36,8 +37,6 @@ def there(tmp_path):
     )
     common = ("--scheduler-file", file, "--nthreads", 1, "--no-nanny", "--no-dashboard")
     workers = [start("worker", *common, "--death-timeout", 30) for _ in range(2)]
-    from distributed import Client
-
     with Client(scheduler_file=str(file), timeout=60) as client:
         client.wait_for_workers(2, timeout=60)
         address = client.scheduler.address
@@ -47,32 +46,42 @@ def there(tmp_path):
         process.wait(10)
 
 
-def when_working(address, act):
+def when_working(client, act):
     """Do something as soon as a worker has work."""
 
     def look():
-        from distributed import Client
+        while not (busy := [name for name, tasks in client.processing().items() if tasks]):
+            time.sleep(0.02)
+        act(pids[busy[0]])
 
-        with Client(address, set_as_default=False) as client:
-            while not any(client.processing().values()):
-                time.sleep(0.02)
-            busy = [worker for worker, tasks in client.processing().items() if tasks]
-            pids = client.run(os.getpid, workers=busy)
-            act(next(iter(pids.values())))
-
+    pids = client.run(os.getpid)
     thread = threading.Thread(target=look, daemon=True)
     thread.start()
     return thread
+
+
+def slowly(reference):
+    """The study with a controller that takes its time; the bits are the same."""
+    study = load_study(reference)
+    still = study.controllers["still"]
+
+    def controller(world, models, situation):
+        time.sleep(0.2)
+        return still(world, models, situation)
+
+    return replace(study, controllers={**study.controllers, "still": controller})
 
 
 def test_a_dead_worker_and_a_dead_scheduler_cost_time_only(
     there, described, undisturbed, begun, monkeypatch
 ):
     address, scheduler, workers = there
+    client = Client(address, set_as_default=False)
+    slow = slowly(described.study)
     with dask(address, 1) as (executor, count):
         assert count == 2
-        killed = when_working(address, lambda pid: os.kill(pid, signal.SIGKILL))
-        answer = campaign(described, begun, workers=count, executor=executor)
+        killed = when_working(client, lambda pid: os.kill(pid, signal.SIGKILL))
+        answer = campaign(described, begun, workers=count, executor=executor, study=slow)
         killed.join(10)
     assert sum(worker.poll() is None for worker in workers) == 1
     assert (answer["performed"], answer["digest"]) == (26, undisturbed[0]["digest"])
@@ -86,8 +95,8 @@ def test_a_dead_worker_and_a_dead_scheduler_cost_time_only(
         pytest.raises(SimulationError, match=r"scheduler is gone .*run the same command"),
         dask(address, 1) as (executor, count),
     ):
-        killed = when_working(address, lambda _: scheduler.kill())
-        campaign(described, begun, workers=count, executor=executor)
+        when_working(client, lambda _: scheduler.kill())
+        campaign(described, begun, workers=count, executor=executor, study=slow)
     again = campaign(described, begun)
     assert (again["done"], again["digest"]) == (26, undisturbed[0]["digest"])
 

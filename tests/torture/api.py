@@ -68,7 +68,8 @@ INSIDE = {
     ),
     **dict.fromkeys(
         [f"lab.{name}" for name in ("Impedance", "Impedance.of_modes", "Objects", "Pose", "Robot",
-         "Robot.of", "Grip.spends", "Grip.wrench", "Push.wrench",
+         "Robot.of", "Grip.spends", "Grip.wrench", "Push.level", "Push.wrench",
+         "Intervention.product",
          "Care.at", "HandPath.seen_from", "InverseKinematics.__call__", "Motion", "Spring.matrix",
          "Robot.compute_bias", "Robot.compute_jacobian", "Robot.compute_mass",
          "Robot.compute_pose", "Seen", "Simulation", "Simulation.apply_wrench", "Simulation.step",

@@ -16,7 +16,7 @@ from tpsim.cli import main as cli
 from tpsim.cli.commands import COMMANDS
 from tpsim.cli.summaries import SUMMARIES
 from tpsim.errors import ArgumentError, RecordingError, SimulationError
-from tpsim.study import campaign, teaching, trying
+from tpsim.study import running, teaching, trying
 from tpsim.study.study import Plan
 
 TOY = f"{Path(__file__).parent / 'study' / 'toy.py'}:study"
@@ -37,7 +37,7 @@ def calls(monkeypatch):
         return function
 
     for module, names in (
-        (campaign, ["run"]),
+        (running, ["run"]),
         (teaching, ["teach", "learn"]),
         (trying, ["reproduce", "push"]),
     ):
@@ -198,7 +198,7 @@ def test_errors_are_one_line_on_stderr(run, calls, monkeypatch, error, code, as_
     def fail(*_, **__):
         raise error
 
-    monkeypatch.setattr(campaign, "run", fail)
+    monkeypatch.setattr(running, "run", fail)
     given, out, err = run("run TOY" + as_json)
     assert (given, out) == (code, "")
     assert err.count("\n") == 1 and err.startswith("tpsim: ")
@@ -212,7 +212,7 @@ def test_an_interruption_says_how_to_go_on(run, calls, monkeypatch):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(campaign, "run", interrupt)
+    monkeypatch.setattr(running, "run", interrupt)
     code, out, err = run("run TOY --seed 4")
     assert (code, out) == (130, "")
     assert err.count("\n") == 1 and f"tpsim run {TOY} --seed 4" in err
@@ -230,7 +230,7 @@ def test_a_signal_is_one_line_and_an_exit_code_of_its_own(run, calls, monkeypatc
             error.add_note("finished trials are kept in there")
             raise
 
-    monkeypatch.setattr(campaign, "run", study_at_work)
+    monkeypatch.setattr(running, "run", study_at_work)
     given, out, err = run("run TOY")
     assert signal.signal(number, before) is signal.default_int_handler
     assert (given, out) == (code, "")
@@ -255,7 +255,7 @@ def test_recorded_demonstrations_replay_bit_for_bit(run, tmp_path):
 def test_a_replay_that_differs_fails(run, monkeypatch):
     answer = {"verdict": "all 2 trials came out again, bit for bit", "repeats": True}
     monkeypatch.setattr("tpsim.study.files.run.load_run", lambda folder: folder)
-    monkeypatch.setattr("tpsim.study.replay.replay", lambda run, study: answer)
+    monkeypatch.setattr("tpsim.study.replay.replay", lambda *_, **__: answer)
     assert run("replay folder")[0] == 0
     answer |= {"repeats": False}
     code, out, _ = run("replay folder --json")
@@ -337,7 +337,7 @@ def test_completion_knows_commands_and_options(run):
 )
 def test_a_missed_limit_has_a_code_where_it_is_asked_for(run, monkeypatch, flags, change, code):
     answer = {"task": "bring", "missed": [], "lost": []} | change
-    monkeypatch.setattr(campaign, "run", lambda *_, **__: answer)
+    monkeypatch.setattr(running, "run", lambda *_, **__: answer)
     assert run(f"run TOY {flags}")[0] == code
 
 

@@ -39,6 +39,11 @@ movement in time is followed by :class:`TimedIntervention`, as in ``docs/recipes
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from tpsim.campaign.campaign import Campaign as Campaign
+from tpsim.campaign.campaign import Sweep as Sweep
+from tpsim.campaign.people import Leads as Leads
+from tpsim.campaign.people import Pushes as Pushes
+from tpsim.campaign.people import Span as Span
 from tpsim.controllers.cartesian import CartesianImpedance as CartesianImpedance
 from tpsim.controllers.cartesian import Spring as Spring
 from tpsim.controllers.computed_torque import ComputedTorque as ComputedTorque
@@ -71,7 +76,6 @@ from tpsim.scene.compose import Camera as Camera
 from tpsim.scene.compose import Held as Held
 from tpsim.scene.compose import Placed as Placed
 from tpsim.scene.compose import world as world
-from tpsim.study.campaign import run as run
 from tpsim.study.condition import Condition as Condition
 from tpsim.study.condition import Lead as Lead
 from tpsim.study.contest import Contest as Contest
@@ -84,6 +88,7 @@ from tpsim.study.pareto import pareto as pareto
 from tpsim.study.record import Record as Record
 from tpsim.study.record import Records as Records
 from tpsim.study.reference import load_study as load_study
+from tpsim.study.running import run as run
 from tpsim.study.study import Lab as Lab
 from tpsim.study.study import Plan as Plan
 from tpsim.study.study import Study as Study
@@ -127,14 +132,19 @@ from tpsim.world.weightless import Weightless as Weightless
 from tpsim.world.world import World as World
 
 if TYPE_CHECKING:
+    from tpsim.campaign.run import campaign as campaign
     from tpsim.task.environment import environment as environment
     from tpsim.task.gymnasium import gym_environment as gym_environment
 
-_LATER = {"environment": "tpsim.task.environment", "gym_environment": "tpsim.task.gymnasium"}
+_LATER = {
+    "campaign": "tpsim.campaign.run",
+    "environment": "tpsim.task.environment",
+    "gym_environment": "tpsim.task.gymnasium",
+}
 
 
 def __getattr__(name: str) -> object:
-    """Import environments when they are asked for: dm_control and Gymnasium may be missing."""
+    """Import when asked for what takes time, or needs packages that may be missing."""
     if name in _LATER:
         return getattr(import_module(_LATER[name]), name)
     raise AttributeError(f"module 'tpsim.lab' has no attribute '{name}'")

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tpsim.study import campaign
+from tpsim.study import running
 from tpsim.study.condition import Condition
 from tpsim.study.executor import perform_condition
 from tpsim.study.files.run import load_run, open_run
@@ -77,7 +77,7 @@ def test_a_trial_that_ends_its_worker_twice_is_a_row_and_the_rest_finishes(
 
     study = replace(toy, controllers={**toy.controllers, "deadly": deadly}, conditions=conditions)
     study = replace(study, measures=[replace(toy.measures[0], controller="still")])
-    answer = campaign.run(study, Plan(), tmp_path / "run", workers=2, video=False)
+    answer = running.run(study, Plan(), tmp_path / "run", workers=2, video=False)
     (row,) = answer["lost"]
     assert (row["trial"], row["controller"], row["situation"]) == (1, "deadly", 1)
     assert "signal 9" in row["reason"] and "\n" not in row["reason"]

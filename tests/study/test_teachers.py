@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from tpsim.study.campaign import run
 from tpsim.study.contest import Contest, Error
 from tpsim.study.files.run import load_run
 from tpsim.study.measure import Measure, most
+from tpsim.study.running import run
 from tpsim.study.study import Plan
 from tpsim.study.teachers import run_teachers
 from tpsim.world.people.push import Push

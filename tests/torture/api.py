@@ -68,7 +68,8 @@ INSIDE = {
     ),
     **dict.fromkeys(
         [f"lab.{name}" for name in ("Impedance", "Impedance.of_modes", "Objects", "Pose", "Robot",
-         "Robot.of", "Grip.spends", "Grip.wrench", "Push.wrench",
+         "Robot.of", "Grip.spends", "Grip.wrench", "Push.level", "Push.wrench",
+         "Intervention.product",
          "Care.at", "HandPath.seen_from", "InverseKinematics.__call__", "Motion", "Spring.matrix",
          "Robot.compute_bias", "Robot.compute_jacobian", "Robot.compute_mass",
          "Robot.compute_pose", "Seen", "Simulation", "Simulation.apply_wrench", "Simulation.step",
@@ -79,7 +80,7 @@ INSIDE = {
         ["lab.Error.number", "lab.Expert.__call__",
          *(f"lab.Contest.{step}" for step in ("conditions", "figures", "forces", "led_from",
            "moved", "pushed_in", "standing"))],
-        "the campaign calls it, with records and situations of its own",
+        "the run calls it, with records and situations of its own",
     ),
     "lab.pareto": "takes NaN and infinity for what could not be measured",
     "lab.tune": "takes minutes; its arguments pass the border",

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from tyro.conf import FlagCreatePairsOff, Positional, arg
 
+from tpsim.cli.campaign import Campaign
 from tpsim.cli.comparison import Compare
 from tpsim.cli.export import Export
 from tpsim.cli.options import (
@@ -29,6 +30,7 @@ from tpsim.cli.options import (
     writable,
 )
 from tpsim.cli.recordings import Data
+from tpsim.cli.replay import Replay
 from tpsim.cli.run import Run
 from tpsim.cli.tuning import Tune
 from tpsim.errors import ArgumentError
@@ -140,29 +142,6 @@ class Push(Reproduce):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Replay(Command):
-    """Repeat a recorded run from its own folder and compare the recordings bit for bit."""
-
-    folder: Annotated[Positional[Path], arg(metavar="FOLDER")]
-    """Run folder, with its run.json."""
-    study: str | None = None
-    """Study that was run, where it is none of the built-in ones: my_task.py:study."""
-
-    def execute(self) -> Answer:
-        """Perform the recorded trials again."""
-        from tpsim.study.files.run import load_run
-        from tpsim.study.reference import load_study
-        from tpsim.study.replay import replay
-
-        study = None if self.study is None else load_study(self.study)
-        return replay(load_run(self.folder), study)
-
-    def exit_code(self, answer: Answer) -> int:
-        """0 where all of a whole run is there, unchanged, and came out again."""
-        return 0 if answer["repeats"] else 1
-
-
-@dataclass(frozen=True, kw_only=True)
 class Bench(Command):
     """Measure speeds: learning, retrieval, control, simulation, or all of them."""
 
@@ -235,7 +214,7 @@ def _say(name: str) -> None:
 COMMANDS: Mapping[str, type[Command | StudyCommand]] = {
     command.__name__.lower(): command
     for command in (
-        *(Run, Teach, Learn, Reproduce, Push, Tune, Replay, Export, Data),
+        *(Run, Teach, Learn, Reproduce, Push, Campaign, Tune, Replay, Export, Data),
         *(Compare, Bench, Demo, Doctor),
     )
 }

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import tyro
 
+from tpsim.cli.campaign import CampaignCompare, CampaignFile
 from tpsim.cli.commands import COMMANDS
 from tpsim.cli.fields import varied, with_fields
 from tpsim.cli.options import (
@@ -85,6 +86,10 @@ def parse(arguments: Sequence[str]) -> Call:
     line, command = shlex.join(["tpsim", *arguments]), COMMANDS[name]
     if name == "learn" and _names_a_recording(rest):
         command = LearnFile
+    if name == "campaign" and rest[:1] == ["compare"]:
+        name, rest, command = "campaign compare", rest[1:], CampaignCompare
+    elif name == "campaign" and rest and _names_a_campaign(rest[0]):
+        command = CampaignFile
     if issubclass(command, StudyCommand):
         return _about_a_study(name, command, rest, line)
     options = _read(command, name, rest)
@@ -98,6 +103,11 @@ def _names_a_recording(words: Sequence[str]) -> bool:
         return False
     path = Path(words[0])
     return path.exists() or (":" not in words[0] and path.suffix not in ("", ".py"))
+
+
+def _names_a_campaign(word: str) -> bool:
+    """Whether a word is the file that describes a campaign, or its folder."""
+    return word.endswith(".json") or (Path(word) / "campaign.json").is_file()
 
 
 def _about_a_study(name: str, command: type[StudyCommand], rest: list[str], line: str) -> Call:

@@ -54,7 +54,7 @@ class Run(SeededCommand):
 
     def execute(self, study: "Study", line: str) -> Answer:
         """Run the study."""
-        from tpsim.study import campaign
+        from tpsim.study import running
         from tpsim.study.plants import chosen, with_plants
         from tpsim.study.study import Plan
         from tpsim.study.teachers import run_teachers
@@ -69,7 +69,7 @@ class Run(SeededCommand):
             return run_teachers(
                 study, plan, self.teachers, self.folder, workers=workers, command=line
             )
-        return campaign.run(
+        return running.run(
             study,
             plan,
             folder=self.folder,

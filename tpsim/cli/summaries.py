@@ -9,6 +9,8 @@ SUMMARIES = {
     "learn": "Fit the task-parameterized models to recorded demonstrations.",
     "reproduce": "Repeat the learned task in a situation that was never taught.",
     "push": "Repeat the learned task while a force acts on the robot, beside the same unpushed.",
+    "campaign": "Try a task thousands of times, pushed, beside undisturbed twins; go on where it "
+    "stopped.",
     "replay": "Repeat a recorded run from its own folder and compare the recordings bit for bit.",
     "export": "Write what was learned as a policy that drives a real robot without a simulator.",
     "data": "Look at a file of recordings, or convert it into another format.",

@@ -1,4 +1,4 @@
-"""Packages that are not there, and errors of other people's readers, in one line."""
+"""Errors of other people's readers, in one line."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,18 +9,6 @@ from tpsim.npz import BYTES
 
 FILES = 100_000
 """Most files of a folder of recordings."""
-
-
-@contextmanager
-def extra(what: str) -> Iterator[None]:
-    """Say which extra to install where an import in this block fails."""
-    try:
-        yield
-    except ImportError as error:
-        raise RecordingError(
-            f"{what} need the package {(error.name or '').partition('.')[0]}, which is not "
-            "installed: pip install 'tpsim[data]'"
-        ) from error
 
 
 @contextmanager

@@ -15,6 +15,7 @@ from tpsim.section8.report import write_comparison_report
 from tpsim.section8.results import Results
 from tpsim.section8.run import run
 from tpsim.study.canvas import to_png
+from tpsim.study.latex import tabular
 from tpsim.whole import write_bytes, write_text
 from tpsim.world.threads import one_thread
 
@@ -91,7 +92,7 @@ def compare(
         "table": tables.write_csv(folder / "comparison.csv", rows),
         "latex": write_text(
             folder / "comparison.tex",
-            "\n".join(map(tables.latex, [main, *map(tables.closed_loop_table, closed.values())])),
+            "\n".join(map(tabular, [main, *map(tables.closed_loop_table, closed.values())])),
             replace=True,
         ),
         "pictures": drawn,

@@ -19,6 +19,7 @@ from tpsim.section8.methods import METHODS, PICTURED
 from tpsim.section8.statistics import bootstrap, ranks
 from tpsim.section8.trial import Trial, perform
 from tpsim.study.canvas import to_png
+from tpsim.study.latex import tabular
 from tpsim.study.report import Picture, Section, write_report
 from tpsim.whole import write_bytes, write_text
 from tpsim.world.threads import one_thread
@@ -112,7 +113,7 @@ def compare_left_out(
     paths = {
         "folder": folder,
         "table": tables.write_csv(folder / "comparison.csv", rows),
-        "latex": write_text(folder / "comparison.tex", tables.latex(rows), replace=True),
+        "latex": write_text(folder / "comparison.tex", tabular(rows), replace=True),
         "pictures": [drawn],
         "json": folder / "comparison.json",
         "report": folder / "report.html",

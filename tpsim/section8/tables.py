@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from tpsim.section8.results import Results
 from tpsim.section8.statistics import Estimate, ratio_to_best
+from tpsim.study.latex import DASH
 from tpsim.study.summary import plain
 from tpsim.whole import write_text
-
-DASH = "–"
 
 Row = dict[str, str]
 
@@ -134,21 +133,6 @@ def closed_loop_table(results: Results) -> list[Row]:
     ]
 
 
-def latex(rows: Sequence[Mapping[str, object]]) -> str:
-    """Rows as a LaTeX tabular with rules of booktabs."""
-    heads = list(rows[0])
-    lines = [
-        r"\begin{tabular}{l" + "r" * (len(heads) - 1) + "}",
-        r"\toprule",
-        " & ".join(map(_tex, heads)) + r" \\",
-        r"\midrule",
-        *(" & ".join(_tex(row[head]) for head in heads) + r" \\" for row in rows),
-        r"\bottomrule",
-        r"\end{tabular}",
-    ]
-    return "\n".join(lines) + "\n"
-
-
 def interval(estimate: Estimate, m: int, digits: int = 3) -> str:
     """Mean with its 95 % interval, as text."""
     mean, low, high = estimate.mean[m], estimate.low[m], estimate.high[m]
@@ -162,10 +146,3 @@ def rounded(value: float, digits: int = 3) -> str:
     if not np.isfinite(value):
         return DASH
     return f"{value:.{digits}f}" if abs(value) < 1e5 or digits == 0 else f"{value:.0e}"
-
-
-def _tex(value: object) -> str:
-    text = str(value)
-    for character in "&%_#":
-        text = text.replace(character, "\\" + character)
-    return text.replace(DASH, "--")

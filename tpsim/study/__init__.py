@@ -1,1 +1,1 @@
-"""Studies: conditions, measures, campaigns, recordings, reports."""
+"""Studies: conditions, measures, runs, recordings, reports."""

@@ -11,13 +11,13 @@ from tpsim.border import Count, Duration, NotNegative, Positive, checked
 from tpsim.errors import ArgumentError
 from tpsim.study.condition import Condition, Lead
 from tpsim.study.expert import Expert
+from tpsim.study.leading import led_off
 from tpsim.study.metrics import displacement, interval, mean_force, push_interval
 from tpsim.study.record import Record, Records
 from tpsim.study.standing import Standing
 from tpsim.task.task import Situation, Task, draw_situation
 from tpsim.world.people.push import Push
 from tpsim.world.plant import NOMINAL, Plant
-from tpsim.world.rollout import RECORD_PERIOD
 
 if TYPE_CHECKING:
     from tpsim.study.study import Lab, Phases, Plan
@@ -187,17 +187,7 @@ class Contest:
         situation = twin.condition.situation
         of = np.random.SeedSequence(situation.seed, spawn_key=(_LEAD, situation.index))
         lead = self.lead(twin.task, situation, np.random.default_rng(of))
-        names = {site: name for name, site in twin.task.sites().items()}
-        own = twin[f"{names[lead.site]}_position"][twin.trial.time >= lead.start - 1e-9]
-        steps = round((lead.duration + lead.rest) / RECORD_PERIOD) + 1
-        if len(own) < steps:
-            raise ArgumentError(
-                f"a lead of {lead.duration + lead.rest:g} s from {lead.start:g} s on goes beyond "
-                f"the trial, which ends at {twin.trial.time[-1]:.2f} s"
-            )
-        way = () if np.ptp(own, axis=0).max() < 1e-3 else tuple(map(tuple, own[:steps].tolist()))
-        lead = replace(lead, origin=tuple(own[0].tolist()), carried=way)
-        return replace(twin.condition, label=self.led, lead=(lead,))
+        return replace(led_off(twin, lead), label=self.led)
 
     def standing(self, records: Records) -> Standing:
         """Points of all controllers on the trials that all of them performed."""

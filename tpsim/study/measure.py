@@ -161,6 +161,13 @@ class Measure:
         )
 
 
+def concerns(measure: Measure, label: str) -> bool:
+    """Whether trials of a label may count for a measure."""
+    asked = [measure.label, measure.otherwise] if measure.label is not None else [None]
+    labels = [(one,) if isinstance(one, str) else one for one in asked]
+    return measure.label is None or any(one is not None and label in one for one in labels)
+
+
 @dataclass(frozen=True)
 class Result:
     """One figure that came out, and whether it keeps its limit.

@@ -138,6 +138,12 @@ class Records(Sequence[Record]):
         self._records.append(record)
         return record
 
+    @border
+    def include(self, record: Record) -> Record:
+        """Add a record of other records as it is: what was seen of it is not seen again."""
+        self._records.append(record)
+        return record
+
     def __getitem__(self, index):  # type: ignore[no-untyped-def]
         """Return a record by its number."""
         try:

@@ -11,7 +11,7 @@ from tpsim.study.condition import Condition
 from tpsim.study.executor import perform_each
 from tpsim.study.files.run import Run, open_run, run_folder
 from tpsim.study.files.stored import Stub
-from tpsim.study.measure import Measure
+from tpsim.study.measure import concerns
 from tpsim.study.record import Lost, Record, Records
 from tpsim.study.study import Study
 from tpsim.study.workers import Death
@@ -100,18 +100,12 @@ def _numbers(study: Study, record: Record) -> Numbers:
     """What can be measured of one trial alone; what looks at others is measured at the end."""
     found = {}
     for measure in study.all_measures:
-        if measure.of is not None and _concerns(measure, record.condition.label):
+        if measure.of is not None and concerns(measure, record.condition.label):
             try:
                 found[measure.name] = measure.number(record)
             except Exception:  # it is raised where the figure is asked for
                 continue
     return found
-
-
-def _concerns(measure: Measure, label: str) -> bool:
-    asked = [measure.label, measure.otherwise] if measure.label is not None else [None]
-    labels = [(one,) if isinstance(one, str) else one for one in asked]
-    return measure.label is None or any(one is not None and label in one for one in labels)
 
 
 class _Elsewhere(Records):

@@ -1,6 +1,6 @@
 """Does a run repeat? Its trials are performed again, from its own folder alone."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from tpsim.study.executor import perform_all
 from tpsim.study.files.about import Demonstrated, Performed, read_about, with_fields
 from tpsim.study.files.limits import check_condition
 from tpsim.study.files.run import Run, number_of
-from tpsim.study.files.run_file import environment
+from tpsim.study.files.run_file import differing
 from tpsim.study.reference import is_ours, load_study
 from tpsim.study.study import Study
 from tpsim.task.task import draw_situation
@@ -21,7 +21,9 @@ from tpsim.world.trial import Trial
 
 
 @one_thread()
-def replay(run: Run, study: Study | None = None, workers: int = 1) -> dict[str, object]:
+def replay(
+    run: Run, study: Study | None = None, workers: int = 1, only: Path | None = None
+) -> dict[str, object]:
     """Perform the trials of a run again and compare all signals bit for bit.
 
     Scene, models, conditions and the task's fields come from the run's folder and from nothing
@@ -36,6 +38,8 @@ def replay(run: Run, study: Study | None = None, workers: int = 1) -> dict[str, 
         Of the run; those that tpsim brings are found by themselves.
     workers : int
         Processes.
+    only : Path, optional
+        The file of one trial; all by default.
 
     Returns
     -------
@@ -53,14 +57,14 @@ def replay(run: Run, study: Study | None = None, workers: int = 1) -> dict[str, 
     ArgumentError
         If the study is the caller's own and was not given.
     """
-    files = run.files()
+    files = run.files() if only is None else (only,)
     if not files:
         raise RecordingError(f"{run.folder} holds no trials; give a run's folder")
     here = study_of(run, study)
     different, largest = [], 0.0
     try:
-        for file, (recorded, again) in zip(files, _pairs(run, here, workers), strict=True):
-            difference = _difference(recorded, again)
+        for file, (recorded, again) in zip(files, _pairs(run, files, here, workers), strict=True):
+            difference = difference_of(recorded, again)
             if difference is not None:
                 different.append(file.name)
                 largest = max(largest, difference)
@@ -80,8 +84,9 @@ def replay(run: Run, study: Study | None = None, workers: int = 1) -> dict[str, 
         f"{', '.join(changed)} changed after the run": bool(changed),
     }
     found = "; ".join(fault for fault, there in faults.items() if there)
+    all_of_them = f"all {len(files)} trials" if only is None else f"{only.name}"
     return {
-        "verdict": found or f"all {len(files)} trials came out again, bit for bit",
+        "verdict": found or f"{all_of_them} came out again, bit for bit",
         "repeats": not found,
         "trials": len(files),
         "identical": len(files) - len(different),
@@ -90,7 +95,7 @@ def replay(run: Run, study: Study | None = None, workers: int = 1) -> dict[str, 
         "changed": changed,
         "different": different,
         "largest_difference": largest,
-        "other_versions": _changes(run.file.versions),
+        "other_versions": differing(run.file.versions),
     }
 
 
@@ -129,10 +134,12 @@ def study_of(run: Run, study: Study | None = None) -> Study:
     return replace(study, task=recorded.in_world(run.world))
 
 
-def _pairs(run: Run, study: Study, workers: int) -> Iterator[tuple[Trial, Trial]]:
+def _pairs(
+    run: Run, files: Sequence[Path], study: Study, workers: int
+) -> Iterator[tuple[Trial, Trial]]:
     """Every recorded trial beside its repetition."""
     conditions = []
-    for file, trial in zip(run.files(), run.trials(), strict=True):
+    for file, trial in zip(files, run.trials(files), strict=True):
         about = read_about(trial, file)
         if isinstance(about, Performed):
             if about.task != run.file.task:
@@ -143,13 +150,13 @@ def _pairs(run: Run, study: Study, workers: int) -> Iterator[tuple[Trial, Trial]
             raise RecordingError(f"{file} is a demonstration among trials")
         _check_seed(run, study, about, file)
     if not conditions:
-        for file, trial in zip(run.files(), run.trials(), strict=True):
+        for file, trial in zip(files, run.trials(files), strict=True):
             yield trial, _shown(study, read_about(trial, file), file)
         return
     models = run.models
     if missing := study.task.behaviours().keys() - models.keys():
         raise RecordingError(f"{run.folder} has no model of {', '.join(sorted(missing))}")
-    yield from zip(run.trials(), perform_all(study, models, conditions, workers), strict=True)
+    yield from zip(run.trials(files), perform_all(study, models, conditions, workers), strict=True)
 
 
 def _check_seed(run: Run, study: Study, about: Performed | Demonstrated, file: Path) -> None:
@@ -177,7 +184,7 @@ def _shown(study: Study, about: Performed | Demonstrated, where: object) -> Tria
     return show(study.task.stage, teacher, about.attempt, seed=about.seed, sites=study.task.sites())
 
 
-def _difference(one: Trial, other: Trial) -> float | None:
+def difference_of(one: Trial, other: Trial) -> float | None:
     """Largest difference of two trials' signals; None where all bits agree."""
     if {n: a.shape for n, a in one.arrays.items()} != {n: a.shape for n, a in other.arrays.items()}:
         return float("inf")
@@ -190,9 +197,3 @@ def _difference(one: Trial, other: Trial) -> float | None:
 
 def _same_bits(one: np.ndarray, other: np.ndarray) -> bool:
     return one.dtype == other.dtype and one.tobytes() == other.tobytes()
-
-
-def _changes(then: dict[str, str | None]) -> list[str]:
-    now = environment()
-    changed = sorted(name for name in then if then[name] != now.get(name))
-    return [f"{name} {then[name]} then, {now.get(name)} now" for name in changed]

@@ -8,13 +8,13 @@ from typing import cast
 import numpy as np
 from scipy.stats import binomtest
 
-from tpsim.study.campaign import run
 from tpsim.study.files.checked import to_json
 from tpsim.study.files.run import run_folder
 from tpsim.study.measure import Measure, Result
 from tpsim.study.record import Records
 from tpsim.study.recording import Answer, say
 from tpsim.study.report import Section, write_report
+from tpsim.study.running import run
 from tpsim.study.study import Lab, Plan, Study
 from tpsim.study.summary import plain
 from tpsim.whole import write_text
@@ -50,7 +50,7 @@ def run_teachers(
     Returns
     -------
     dict
-        As :func:`tpsim.study.campaign.run`, of the trials of all teachers together; with
+        As :func:`tpsim.study.running.run`, of the trials of all teachers together; with
         ``kept``: for every measure of single trials that has a limit the share of trials that
         keep it, its 95 % Wilson interval, and the worst teacher.
     """

@@ -19,7 +19,11 @@ class BoundPerson(Protocol):
 
     name: str
     wrench: np.ndarray
-    point: np.ndarray
+
+    @property
+    def point(self) -> np.ndarray:
+        """Where the wrench acts (3,) [m]."""
+        ...
 
     def act(self, step: int, state: State) -> None:
         """Apply the wrench of a time step."""

@@ -45,6 +45,7 @@ class Simulation:
         data, together = self.data, isinstance(qpos, slice) and isinstance(dof, slice)
         self._seen = (data.qpos[qpos], data.qvel[dof]) if together else None
         self._dof, self._ctrl = dof, data.ctrl
+        self._wrenches, self._centres = data.xfrc_applied, data.xipos
         self.timestep = float(model.opt.timestep)
 
     def reset(self, q: np.ndarray) -> None:
@@ -117,14 +118,14 @@ class Simulation:
 
     def clear_wrenches(self) -> None:
         """Take away all wrenches from outside."""
-        self.data.xfrc_applied[:] = 0
+        self._wrenches.fill(0.0)
 
     def apply_wrench(self, body: int, wrench: np.ndarray, point: np.ndarray) -> None:
         """Add force and torque (6,) on a body, acting at a point (3,) of the world [m]."""
         # MuJoCo applies at the centre of mass.
-        ax, ay, az = point - self.data.xipos[body]
-        fx, fy, fz = wrench[:3]
-        applied = self.data.xfrc_applied[body]
+        ax, ay, az = (point - self._centres[body]).tolist()
+        fx, fy, fz = wrench[:3].tolist()
+        applied = self._wrenches[body]
         applied += wrench
         applied[3] += ay * fz - az * fy
         applied[4] += az * fx - ax * fz

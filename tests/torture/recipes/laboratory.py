@@ -438,8 +438,6 @@ def _control(book: Book) -> None:
             every=16,
             **strength,
         )
-    intervention = lab.MinimalIntervention([SKILL], prior=prior, effort=0.05)
-    add("lab.Intervention.product", intervention.product, state=STATE)
     add("lab.Spring", lab.Spring, view=VIEW, stiffness=[300.0, 200.0, 100.0], reference=np.ones(3))
     add(
         "lab.CartesianImpedance",
@@ -697,6 +695,7 @@ def _studies(book: Book) -> None:
         condition=CONDITION,
         trial=TRIAL,
     )
+    add("lab.Records.include", lab.Records(TASK, MODELS).include, record=RECORDS[0])
     add("lab.Records.groups", RECORDS.groups, texts={"unpushed": "Not pushed"})
     add("lab.Records.select", RECORDS.select, label="unpushed", controller="learned")
     add(
@@ -707,6 +706,32 @@ def _studies(book: Book) -> None:
         names={"cup-and-sugar": "tpsim.tasks.tracking.study:study"},
     )
     add("lab.Lab", lab.Lab, study=STUDY, models=dict(MODELS), taught=dict(TAUGHT))
+    add("lab.Span", lab.Span, low=0.5, high=1.5)
+    people = {"body": ("tip",), "direction": "circle", "duration": (0.1,)}
+    add("lab.Pushes", lab.Pushes, force=(1.0,), onset=lab.Span(0, 1), **people)
+    add("lab.Leads", lab.Leads, travel=(0.01,), phase=(0.5,), rest=0.1, **people)
+    add("lab.Sweep", lab.Sweep, values=(1, 2), learn=False, free=("values",), keeps=("values",))
+    described = lab.Campaign("toy.py:study", pushes=lab.Pushes(duration=(0.1,)))
+    add("lab.Campaign.check", described.check, study=STUDY)
+    add(
+        "lab.Campaign",
+        lab.Campaign,
+        free=("fields", "study"),
+        study="toy.py:study",
+        trials=3,
+        fields={"effort": 0.1},
+        controllers=("learned",),
+        teachers=1,
+        plants=("nominal",),
+        pushes=lab.Pushes(),
+        sweeps={"effort": lab.Sweep((0.1, 0.2))},
+        design="grid",
+        repeats=1,
+        duration=1.0,
+        keep="figures",
+        success=("gap",),
+        seed=0,
+    )
     add("lab.Plan", lab.Plan, seed=0, situations=2, pushes=1)
     add("lab.Plan.rng", lambda key: lab.Plan().rng(key), key=1)
     add(

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tpsim.data.columns import Columns
-from tpsim.data.foreign import check_size, extra, opened
+from tpsim.data.foreign import check_size, opened
 from tpsim.data.recording import Recording, by_length
 from tpsim.errors import RecordingError
+from tpsim.extras import extra
 
 if TYPE_CHECKING:
     import h5py

@@ -7,10 +7,11 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from tpsim.data.foreign import check_size, extra, opened
+from tpsim.data.foreign import check_size, opened
 from tpsim.data.readers.messages import Messages
 from tpsim.data.recording import Recording
 from tpsim.errors import RecordingError
+from tpsim.extras import extra
 from tpsim.npz import BYTES
 
 Decoder = Callable[[bytes], Any]

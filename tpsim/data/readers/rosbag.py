@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
-from tpsim.data.foreign import extra, opened
+from tpsim.data.foreign import opened
 from tpsim.data.readers.messages import Messages
 from tpsim.data.recording import Recording
 from tpsim.errors import RecordingError
+from tpsim.extras import extra
 
 
 def recordings(path: Path) -> list[Recording]:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from tpsim.border import Positive, border
-from tpsim.data.foreign import extra
 from tpsim.data.signals import Item, Signals, signals_of
 from tpsim.data.writers.parquet import write_episodes, write_frames, write_tasks
 from tpsim.errors import ArgumentError
+from tpsim.extras import extra
 from tpsim.whole import check_free, whole_folder
 
 QUANTILES = (0.01, 0.10, 0.50, 0.90, 0.99)

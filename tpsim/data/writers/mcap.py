@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tpsim.border import border
-from tpsim.data.foreign import extra
 from tpsim.data.signals import Item, Signals, signals_of
 from tpsim.data.writers.foxglove import POSE_IN_FRAME, SAMPLES, pose_in_frame, stamp
 from tpsim.data.writers.poses import poses_of
 from tpsim.errors import ArgumentError
+from tpsim.extras import extra
 from tpsim.whole import whole_file
 
 if TYPE_CHECKING:

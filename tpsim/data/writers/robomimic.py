@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from tpsim.border import border
-from tpsim.data.foreign import extra
 from tpsim.data.signals import Item, signals_of
+from tpsim.extras import extra
 from tpsim.whole import write_bytes
 
 

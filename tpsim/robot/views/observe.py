@@ -8,6 +8,7 @@ from tpsim.border import border
 from tpsim.errors import ArgumentError
 from tpsim.robot.objects import Objects
 from tpsim.robot.robot import Robot
+from tpsim.robot.state import State
 from tpsim.robot.views.view import View
 
 
@@ -38,12 +39,20 @@ def observe(
                 f"{quaternions.shape}; give ({len(q)}, 3) and ({len(q)}, 4)"
             )
     rows = {name: row for row, name in enumerate(objects or {})}
-    places = list((objects or {}).values())
+    positions, quaternions = _beside(objects, 0, 3, len(q)), _beside(objects, 1, 4, len(q))
     values: list[list[np.ndarray]] = [[] for _ in views]
-    for t, posture in enumerate(q):
-        positions = np.array([p[t] for p, _ in places], float).reshape(-1, 3)
-        quaternions = np.array([turned[t] for _, turned in places], float).reshape(-1, 4)
-        state = robot.at(posture, objects=Objects(rows, positions, quaternions))
+    at_rest = np.hstack((q, np.zeros_like(q)))
+    at_rest.flags.writeable = False
+    for t, x in enumerate(at_rest):
+        state = State(robot, x, Objects(rows, positions[t], quaternions[t]))
         for column, view in zip(values, views, strict=True):
             column.append(view(state).value)
     return [np.array(column) for column in values]
+
+
+def _beside(
+    objects: Mapping[str, tuple[np.ndarray, np.ndarray]] | None, part: int, size: int, length: int
+) -> np.ndarray:
+    """Positions or quaternions (T, k, size) of all objects."""
+    found = [places[part] for places in (objects or {}).values()]
+    return np.stack(found, axis=1).astype(float) if found else np.zeros((length, 0, size))

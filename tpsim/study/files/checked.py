@@ -36,7 +36,7 @@ def to_json(value: object, indent: int | None = None) -> str:
     return json.dumps(plain(value), indent=indent, sort_keys=indent is None)
 
 
-def from_json(text: str, kind: type[T], where: object) -> T:
+def from_json(text: str, kind: type[T], where: object, defaults: bool = False) -> T:
     """Read a value that :func:`to_json` wrote.
 
     Parameters
@@ -46,6 +46,8 @@ def from_json(text: str, kind: type[T], where: object) -> T:
         A dataclass, or a type that msgspec knows.
     where : object
         Name of the file, for messages.
+    defaults : bool
+        Whether what is missing has its default: in what people write, not in what was recorded.
 
     Raises
     ------
@@ -58,10 +60,10 @@ def from_json(text: str, kind: type[T], where: object) -> T:
         json.dumps(found, ensure_ascii=False).encode()
     except (ValueError, RecursionError) as error:
         raise RecordingError(f"{where} is no JSON ({one_line(error)}); record it again") from None
-    return restore(found, kind, where)
+    return restore(found, kind, where, defaults)
 
 
-def restore(found: object, kind: type[T], where: object) -> T:
+def restore(found: object, kind: type[T], where: object, defaults: bool = False) -> T:
     """Make a value of plain JSON values.
 
     Raises
@@ -71,7 +73,7 @@ def restore(found: object, kind: type[T], where: object) -> T:
     """
     try:
         value = msgspec.convert(found, kind, dec_hook=_other)
-        _compare_keys(found, plain(value), "$")
+        _compare_keys(found, plain(value), "$", defaults)
     except (msgspec.ValidationError, _KeysDiffer) as error:
         raise RecordingError(f"{where}: {one_line(error)}") from None
     except (TypeError, ValueError, RecursionError, ArithmeticError, LookupError) as error:
@@ -83,18 +85,18 @@ class _KeysDiffer(Exception):
     """A key is missing or unknown."""
 
 
-def _compare_keys(found: object, known: object, path: str) -> None:
+def _compare_keys(found: object, known: object, path: str, defaults: bool) -> None:
     """Defaults must not fill in for keys that are missing, and nothing is skipped."""
     if isinstance(found, Mapping) and isinstance(known, Mapping):
-        for key in known.keys() - found.keys():
+        for key in () if defaults else known.keys() - found.keys():
             raise _KeysDiffer(f"the field `{key}` is missing - at `{path}`")
         for key, item in found.items():
             if key not in known:
                 raise _KeysDiffer(f"there is no field `{key}` - at `{path}`")
-            _compare_keys(item, known[key], f"{path}.{key}")
+            _compare_keys(item, known[key], f"{path}.{key}", defaults)
     elif isinstance(found, list) and isinstance(known, list):
         for i, (item, other) in enumerate(zip(found, known, strict=False)):
-            _compare_keys(item, other, f"{path}[{i}]")
+            _compare_keys(item, other, f"{path}[{i}]", defaults)
 
 
 def _builtin(value: object) -> object:

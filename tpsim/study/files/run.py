@@ -6,7 +6,7 @@ name is complete, and nothing is overwritten.
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import cached_property
@@ -81,9 +81,10 @@ class Run:
         """
         return tuple(sorted(self.folder.glob("trial-*.npz"), key=number_of))
 
-    def trials(self) -> Iterator[Trial]:
-        """Read the trials one after the other."""
-        return (load_trial(inside(self.folder, file.name)) for file in self.files())
+    def trials(self, files: Sequence[Path] | None = None) -> Iterator[Trial]:
+        """Read the trials, or those of some files, one after the other."""
+        some = self.files() if files is None else files
+        return (load_trial(inside(self.folder, file.name)) for file in some)
 
     @cached_property
     def world(self) -> World:

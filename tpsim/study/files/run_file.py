@@ -1,6 +1,7 @@
 """``run.json``: what a run says about itself, before it starts and when it is whole."""
 
 import subprocess
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -109,6 +110,13 @@ def environment() -> dict[str, str | None]:
     """What the bits of a result depend on, besides the code that is run."""
     with one_thread():
         return versions(("tpsim", "numpy", "scipy", "mujoco", "pin")) | {"blas": linear_algebra()}
+
+
+def differing(then: Mapping[str, str | None]) -> list[str]:
+    """What has changed since then that bits depend on, in words."""
+    here = environment()
+    changed = sorted(n for n in then.keys() | here.keys() if then.get(n) != here.get(n))
+    return [f"{name} {then.get(name)} then, {here.get(name)} now" for name in changed]
 
 
 def now() -> str:

@@ -8,6 +8,8 @@ from tpsim.border import NotNegative, Point, checked
 from tpsim.robot.state import State
 from tpsim.world.simulation import Simulation
 
+_NOTHING = np.zeros(6)
+
 
 @dataclass(frozen=True)
 class Push:
@@ -42,11 +44,17 @@ class Push:
 
     def wrench(self, time: float) -> np.ndarray:
         """Force and torque (6,) at a time [s]."""
+        level = self.level(time)
+        return level * np.concatenate([self.force, self.torque]) if level else np.zeros(6)
+
+    def level(self, time: float) -> float:
+        """Share of the whole wrench that acts at a time [s]."""
         inside = min(time - self.start, self.start + self.duration - time)
         if inside <= 0:
-            return np.zeros(6)
-        level = 1.0 if inside >= self.ramp else np.sin(np.pi * inside / (2 * self.ramp)) ** 2
-        return level * np.concatenate([self.force, self.torque])
+            return 0.0
+        if inside >= self.ramp:
+            return 1.0
+        return float(np.sin(np.pi * inside / (2 * self.ramp)) ** 2)
 
     def bind(self, simulation: Simulation) -> "BoundPush":
         """Look up the names in one simulation."""
@@ -62,13 +70,19 @@ class BoundPush:
         self._push, self._simulation = push, simulation
         self._body, R, p = simulation.attachment(push.body)
         self._point = p + R @ push.point
-        self.wrench, self.point = np.zeros(6), np.zeros(3)
+        self._whole = np.concatenate([push.force, push.torque])
+        self.wrench = _NOTHING
 
     def act(self, step: int, state: State) -> None:
         """Apply the wrench of this time step."""
-        simulation, body = self._simulation, self._body
-        self.wrench = self._push.wrench(step * simulation.timestep)
-        R = simulation.data.xmat[body].reshape(3, 3)
-        self.point = simulation.data.xpos[body] + R @ self._point
-        if self.wrench.any():
-            simulation.apply_wrench(body, self.wrench, self.point)
+        level = self._push.level(step * self._simulation.timestep)
+        self.wrench = level * self._whole if level else _NOTHING
+        if level:
+            self._simulation.apply_wrench(self._body, self.wrench, self.point)
+
+    @property
+    def point(self) -> np.ndarray:
+        """Where it acts (3,) [m], in the world as it is."""
+        data, body = self._simulation.data, self._body
+        point: np.ndarray = data.xpos[body] + data.xmat[body].reshape(3, 3) @ self._point
+        return point

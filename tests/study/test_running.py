@@ -8,7 +8,7 @@ import pytest
 
 from tpsim import TPGMM, paths
 from tpsim.errors import ArgumentError, RecordingError, SimulationError
-from tpsim.study import campaign, figures, teaching, trying
+from tpsim.study import figures, running, teaching, trying
 from tpsim.study.condition import Condition, Lead
 from tpsim.study.executor import perform_condition
 from tpsim.study.files.run import load_run
@@ -35,7 +35,7 @@ def toy_run(toy, tmp_path_factory):
         measures=[*toy.measures, Measure("strength", unit="N", limit=1.0, title="Strength")],
         probes={"strength": lambda lab: 2.0, "restless": restless},
     )
-    return campaign.run(study, Plan(3, 1, 2), folder, video=False, command="tpsim run"), folder
+    return running.run(study, Plan(3, 1, 2), folder, video=False, command="tpsim run"), folder
 
 
 @pytest.fixture(scope="module")
@@ -121,11 +121,11 @@ def test_the_report_of_a_plain_study_shows_every_series(toy_run):
 def test_a_measure_of_nothing_is_refused_before_anything_runs(toy, tmp_path):
     lost = replace(toy, measures=[Measure("luck")])
     with pytest.raises(ArgumentError, match=r"'luck' has neither of nor whole.*no probe"):
-        campaign.run(lost, Plan(0, 1, 1), tmp_path / "new")
+        running.run(lost, Plan(0, 1, 1), tmp_path / "new")
     assert not (tmp_path / "new").exists()
     twice = replace(toy, measures=[toy.measures[0], toy.measures[0]])
     with pytest.raises(ArgumentError, match="two measures are called 'gap'"):
-        campaign.run(twice, Plan(0, 1, 1), tmp_path / "new")
+        running.run(twice, Plan(0, 1, 1), tmp_path / "new")
 
 
 def test_taught_demonstrations_are_learned_from_their_folder(toy, tmp_path, capsys):

@@ -1,0 +1,1 @@
+"""Campaigns: thousands of perturbed trials as a value, performed anywhere, resumed, compared."""

@@ -38,7 +38,7 @@ _MENTION = re.compile(
 )
 _MISUSE = re.compile("refuse|misuse|wrong|bad|error|needs")
 _AGAINST = re.compile(
-    "reference|dense|closed_form|by_hand|eq_|table_3|minimise|equals|likel|product|are_those"
+    "recover|never|reference|dense|closed_form|by_hand|eq_|table_3|minimise|equals|likel|product|are_those"
 )
 _RANGE = re.compile(r"\(?(\d+)\)?(?:\s*(?:-|–|to)\s*\(?(\d+)\)?)?")
 

@@ -8,11 +8,11 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE / "_extensions"), str(HERE.parent), str(HERE.parent / "demos")]
 
-import api  # noqa: E402
 import benchmarks  # noqa: E402
 import equations  # noqa: E402
 import gallery_pages  # noqa: E402
 import guides  # noqa: E402
+import reference  # noqa: E402
 
 from tpsim import gallery  # noqa: E402
 
@@ -77,7 +77,7 @@ pygments_style = "friendly"
 pygments_dark_style = "monokai"
 
 MADE = {
-    "api": api.reference,
+    "api": reference.directives,
     "benchmarks": benchmarks.page,
     "equations": equations.page,
     "guides": guides.rest,

@@ -34,7 +34,7 @@ SECTIONS = {
 """Where the tutorial has its equations: first and last number."""
 
 _MENTION = re.compile(
-    r"\bEqs?\.?\s*(\(?\d+\)?(?:\s*(?:-|–|to|and|or|,)\s*\(?\d+\)?(?![\d.]*\s*(?:s\b|m\b)))*)"
+    r"\bEqs?\.?\s*(\(?\d+\)?(?:(?:\s*(?:-|–|to|and|or|,))+\s*\(?\d+\)?(?![\d.]*\s*(?:s\b|m\b)))*)"
 )
 _MISUSE = re.compile("refuse|misuse|wrong|bad|error|needs")
 _AGAINST = re.compile(
@@ -268,7 +268,7 @@ def _named(tree: ast.Module, inside: str = "") -> Iterator[tuple[str, ast.AST]]:
 @cache
 def _public() -> dict[tuple[str, str], str]:
     """Public names by where they are defined: functions, classes, and methods of classes."""
-    from api import ROOMS
+    from reference import ROOMS
 
     found: dict[tuple[str, str], str] = {}
     for room in ROOMS:

@@ -71,7 +71,7 @@ def listed(page: str) -> tuple[tuple[str, object], ...]:
     return tuple((f"{prefix}.{name}", value) for name, value in chosen)
 
 
-def reference(page: str) -> str:
+def directives(page: str) -> str:
     """Directives of a page, for MyST."""
     lines = []
     for name, value in listed(page):

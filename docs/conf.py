@@ -73,7 +73,8 @@ html_css_files = ["tpsim.css"]
 html_show_sphinx = False
 html_copy_source = False
 html_show_sourcelink = False
-pygments_style = "friendly"
+html_favicon = "_static/favicon.svg"
+pygments_style = "a11y-high-contrast-light"
 pygments_dark_style = "monokai"
 
 MADE = {
@@ -91,7 +92,9 @@ def fill(app, docname: str, source: list[str]) -> None:
     if docname.startswith("gallery/") and name != "index":
         source[0] = gallery_pages.titled(name, source[0])
     made = r"<!-- made: (\w+)((?: \w+)*) -->"
-    source[0] = re.sub(made, lambda m: MADE[m[1]](*m[2].split()), source[0])
+    source[0], count = re.subn(made, lambda m: MADE[m[1]](*m[2].split()), source[0])
+    if count:
+        app.env.note_reread()  # the code may change while the page does not
 
 
 def leave_out(app, what: str, name: str, value: object, skip: bool, options) -> bool | None:

@@ -13,6 +13,9 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 
+import gallery_pages
+from reference import PAGES, ROOMS, listed
+
 ROOT = Path(__file__).resolve().parents[2]
 LAST = 80
 
@@ -144,7 +147,7 @@ def _row(entry: Entry) -> str:
         return f"| {number} | *not in the code:* {NOT_IN_CODE[entry.number]} | | |"
     functions = "<br>".join(_link(function) for function in entry.functions)
     tests = "<br>".join(_said(*test.split("::")) for test in entry.tests)
-    demos = "<br>".join(f"{{doc}}`{demo} <{_demo_page(demo)}>`" for demo in entry.demos)
+    demos = "<br>".join(f"{{doc}}`{demo} <{gallery_pages.page(demo)}>`" for demo in entry.demos)
     return f"| {number} | {functions} | {tests} | {demos} |"
 
 
@@ -153,16 +156,18 @@ def _said(file: str, name: str) -> str:
     return f"{name.removeprefix('test_').replace('_', ' ')} (`{file.removeprefix('tests/')}`)"
 
 
-def _demo_page(demo: str) -> str:
-    from gallery_pages import page
-
-    return page(demo)
-
-
 def _link(function: Definition) -> str:
-    if function.public:
-        return f"{{py:obj}}`{function.public.removeprefix('tpsim.')} <{function.public}>`"
-    return f"`{function.module}.{function.name}`"
+    if not function.public:
+        return f"`{function.module}.{function.name}`"
+    return f"{{py:obj}}`{function.public.removeprefix('tpsim.')} <{_documented(function.public)}>`"
+
+
+def _documented(public: str) -> str:
+    """Where the reference documents a name: a method that is inherited stands with its class."""
+    owner, _, name = public.rpartition(".")
+    kind = dict(pair for page in PAGES for pair in listed(page)).get(owner)
+    own = kind is None or (name in vars(kind) and not name.startswith("__"))
+    return public if own else owner
 
 
 def _entry(number: int) -> Entry:
@@ -268,8 +273,6 @@ def _named(tree: ast.Module, inside: str = "") -> Iterator[tuple[str, ast.AST]]:
 @cache
 def _public() -> dict[tuple[str, str], str]:
     """Public names by where they are defined: functions, classes, and methods of classes."""
-    from reference import ROOMS
-
     found: dict[tuple[str, str], str] = {}
     for room in ROOMS:
         module = import_module(room.module)

@@ -5,7 +5,7 @@ BIN := .venv/bin
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: install demo test lint wheel architecture clean
+.PHONY: install demo test docs site lint wheel architecture clean
 
 install: .venv/installed
 
@@ -32,8 +32,20 @@ lint: install
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 
+docs: .venv/documented
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	@echo "the site is docs/_build/html/index.html"
+
+# The site in a browser: links, console, a phone's width, dark mode, search.
+site: docs
+	$(BIN)/python -m pytest -m site tests/docs
+
+.venv/documented: .venv/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
+	touch $@
+
 architecture: install
 	$(BIN)/python docs/draw_architecture.py
 
 clean:
-	rm -rf .venv recordings/runs
+	rm -rf .venv recordings/runs docs/_build docs/_made docs/gallery

@@ -165,6 +165,13 @@ def test_a_hash_tells_pictures_apart_and_forgives_another_font(folder):
     assert 0 < difference(other, hashes["demo_OC_LQT01"]) <= DIFFERENT
 
 
+def test_pictures_of_the_documentation_are_as_the_demos_draw_them():
+    pictures = list((DEMOS.parent / "docs" / "pictures").glob("*.png"))
+    assert len(pictures) > 3
+    for picture in pictures:
+        assert difference(perceptual_hash(picture), stored()[picture.stem]) <= DIFFERENT
+
+
 def test_a_demo_gives_the_same_numbers_again(folder):
     one, two = (gallery.run("figure08", folder)["figures"] for _ in range(2))
     assert [shown["value"] for shown in one] == [shown["value"] for shown in two]

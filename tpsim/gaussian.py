@@ -217,6 +217,8 @@ class Gaussian(Stored):
 def gaussian_product(gaussians: Sequence[Gaussian]) -> Gaussian:
     """Product of Gaussians, Eq. (6), in information form: precisions add.
 
+    Its mean is the minimum of the weighted sum of squared errors of Eq. (3).
+
     Parameters
     ----------
     gaussians : sequence of Gaussian with the same D

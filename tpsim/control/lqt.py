@@ -59,7 +59,7 @@ def lqt_batch(
     *,
     covariance: bool = False,
 ) -> Plan:
-    """Linear quadratic tracking as one weighted least squares problem, Eq. 37 (or Eq. 38).
+    """Linear quadratic tracking as one weighted least squares problem, Eqs 35-37 (or Eq. 38).
 
     States, controls and multipliers of the dynamics solve one banded system, so the cost is
     linear in T; S^u is never formed.

@@ -66,7 +66,7 @@ def shrink_directions(
 def oracle_weight(covariance: NDArray, count: int) -> NDArray:
     """Weight rho (...) of the isotropic target for covariances (..., p, p) of few samples.
 
-    The oracle approximating shrinkage of [Chen, Wiesel, Eldar and Hero 2010], Eq. (23): the
+    The oracle approximating shrinkage of [Chen, Wiesel, Eldar and Hero 2010], their (23): the
     weight of least expected square error for normal samples, as far as the covariance itself
     can tell. One where the covariance is isotropic; at least 2 / count in the plane.
     """

@@ -157,6 +157,8 @@ class _Analysers(_Subspace, ABC):
 class MFA(_Analysers):
     """Mixture of factor analysers: Sigma = Lambda Lambda' + diagonal, Eqs (11) and (57-63).
 
+    A component is distributed as in Eq. (54), whose covariance is that of Eq. (11).
+
     Parameters
     ----------
     dimension : int

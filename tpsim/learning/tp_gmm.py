@@ -234,7 +234,7 @@ def fit_tp_gmm(
     time: ArrayLike | None = None,
     rng: Seed = None,
 ) -> TPGMM:
-    """Fit a task-parameterized Gaussian mixture by expectation-maximisation, App. A and B.
+    """Fit a task-parameterized Gaussian mixture by EM, Eqs (49-52), or (57-68) in subspaces.
 
     Parameters
     ----------

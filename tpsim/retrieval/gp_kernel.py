@@ -18,7 +18,7 @@ CLEANEST, NOISIEST = 1e-8, 1e3  # noise searched, of the variance of the functio
 
 @dataclass(frozen=True, eq=False)
 class SquaredExponential(Part):
-    """Covariance function variance exp(-|a - b|^2 / (2 length^2)), and the noise of outputs.
+    """Covariance function ``variance exp(-|a - b|^2 / (2 length^2))``, and the noise of outputs.
 
     Attributes
     ----------

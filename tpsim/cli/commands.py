@@ -28,6 +28,7 @@ from tpsim.cli.options import (
     positive,
     writable,
 )
+from tpsim.cli.play import Play
 from tpsim.cli.recordings import Data
 from tpsim.cli.run import Run
 from tpsim.cli.tuning import Tune
@@ -236,6 +237,6 @@ COMMANDS: Mapping[str, type[Command | StudyCommand]] = {
     command.__name__.lower(): command
     for command in (
         *(Run, Teach, Learn, Reproduce, Push, Tune, Replay, Export, Data),
-        *(Compare, Bench, Demo, Doctor),
+        *(Compare, Play, Bench, Demo, Doctor),
     )
 }

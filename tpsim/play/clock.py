@@ -29,6 +29,54 @@ WINDOW = 5.0
 """Time [s] over which the factor is measured."""
 
 
+class Pace:
+    """The rule: how many time steps are due.
+
+    Parameters
+    ----------
+    timestep : float
+        [s]
+    now : float
+        On the wall clock [s].
+
+    Attributes
+    ----------
+    late : float
+        By how much the simulation is late [s].
+    simulated, passed : float
+        Simulated time, and real time times speed, up to now [s].
+    factor : float
+        Of the last seconds; 1 is real time.
+    """
+
+    def __init__(self, timestep: float, now: float):
+        self._timestep, self._before = timestep, now
+        self.late = self.simulated = self.passed = 0.0
+        self.factor, self._mark = 1.0, (now, 0.0, 0.0)
+
+    def due(self, now: float, speed: float) -> int:
+        """Time steps to compute now, in one go."""
+        asked = speed * (now - self._before)
+        self._before = now
+        self.passed += asked
+        self.late += asked
+        if self.late > PATIENCE:
+            self.late = BATCH
+        steps = int(min(self.late, BATCH) / self._timestep)
+        self.late -= steps * self._timestep
+        self.simulated += steps * self._timestep
+        if now - self._mark[0] > WINDOW:
+            done, asked = self.simulated - self._mark[1], self.passed - self._mark[2]
+            self.factor = done / asked if asked > 0 else 1.0
+            self._mark = (now, self.simulated, self.passed)
+        return steps
+
+    @property
+    def rest(self) -> float:
+        """Time [s] to leave to others now."""
+        return BREATH if self.late > TICK else TICK
+
+
 class RealTime(threading.Thread):
     """Lets time pass in a session until it is stopped.
 
@@ -38,19 +86,16 @@ class RealTime(threading.Thread):
 
     Attributes
     ----------
-    factor : float
-        Simulated time over real time times speed, over the last seconds; 1 is real time.
-    simulated, passed : float
-        Simulated time, and real time times speed, since the start [s].
+    pace : Pace
     failure : Exception, optional
         What ended it, other than :meth:`stop`.
     """
 
     def __init__(self, session: Session):
         super().__init__(name="tpsim physics", daemon=True)
-        self.factor, self.simulated, self.passed = 1.0, 0.0, 0.0
         self.failure: Exception | None = None
         self._session, self._ended = session, threading.Event()
+        self.pace = Pace(session.world.timestep, time.monotonic())
 
     def stop(self) -> None:
         """End, and wait until it has."""
@@ -59,30 +104,14 @@ class RealTime(threading.Thread):
 
     def run(self) -> None:
         """Let time pass."""
+        session = self._session
+        self.pace = pace = Pace(session.world.timestep, time.monotonic())
         try:
             with one_thread():
-                self._run()
+                while not self._ended.is_set():
+                    if steps := pace.due(time.monotonic(), session.speed):
+                        with session.lock:
+                            session.advance(steps)
+                    time.sleep(pace.rest)
         except Exception as error:
             self.failure = error
-
-    def _run(self) -> None:
-        session, h = self._session, self._session.world.timestep
-        late, before = 0.0, time.monotonic()
-        mark = (before, 0.0, 0.0)
-        while not self._ended.is_set():
-            now = time.monotonic()
-            due, before = session.speed * (now - before), now
-            late, self.passed = late + due, self.passed + due
-            if late > PATIENCE:
-                late = BATCH
-            steps = int(min(late, BATCH) / h)
-            if steps:
-                with session.lock:
-                    session.advance(steps)
-                late -= steps * h
-                self.simulated += steps * h
-            if now - mark[0] > WINDOW:
-                done, asked = self.simulated - mark[1], self.passed - mark[2]
-                self.factor = done / asked if asked > 0 else 1.0
-                mark = (now, self.simulated, self.passed)
-            time.sleep(BREATH if late > BATCH else TICK)

@@ -75,10 +75,10 @@ def play(study: Study, address: Address, **options: object) -> dict[str, object]
                 time.sleep(0.2)
         except KeyboardInterrupt:
             pass
-        kept = page.shelf.folder
+        kept, pace = page.shelf.folder, page.clock.pace
         answer: dict[str, object] = {
             "task": study.task.name,
-            "real_time_factor": page.clock.simulated / max(page.clock.passed, 1e-9),
+            "real_time_factor": pace.simulated / max(pace.passed, 1e-9),
         }
         if page.clock.failure is not None:
             raise page.clock.failure

@@ -29,6 +29,7 @@ from tpsim.cli.options import (
     positive,
     writable,
 )
+from tpsim.cli.play import Play
 from tpsim.cli.recordings import Data
 from tpsim.cli.replay import Replay
 from tpsim.cli.run import Run
@@ -215,6 +216,6 @@ COMMANDS: Mapping[str, type[Command | StudyCommand]] = {
     command.__name__.lower(): command
     for command in (
         *(Run, Teach, Learn, Reproduce, Push, Campaign, Tune, Replay, Export, Data),
-        *(Compare, Bench, Demo, Doctor),
+        *(Compare, Play, Bench, Demo, Doctor),
     )
 }

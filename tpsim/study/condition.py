@@ -7,12 +7,14 @@ import numpy as np
 from tpsim.border import NotNegative, Point, Positive, Strength, checked
 from tpsim.task.task import Situation
 from tpsim.world.episode import BoundPerson
+from tpsim.world.people.drag import Drag
 from tpsim.world.people.guide import Grip, Guide, HandPath
 from tpsim.world.people.push import Push
 from tpsim.world.people.script import straight
 from tpsim.world.plant import NOMINAL, Plant
 from tpsim.world.rollout import RECORD_PERIOD
 from tpsim.world.simulation import Simulation
+from tpsim.world.teaching import Lesson
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,8 @@ class Condition:
         Who pushes.
     lead : tuple of Lead
         Who leads.
+    drag : tuple of Drag
+        Who pulled by hand, as in the playground.
     plant : Plant
         How the simulated robot differs from the controller's model.
     duration : float, optional
@@ -101,6 +105,7 @@ class Condition:
     controller: str = "learned"
     push: tuple[Push, ...] = ()
     lead: tuple[Lead, ...] = ()
+    drag: tuple[Drag, ...] = ()
     plant: Plant = NOMINAL
     duration: Positive | None = None
     shown: str | None = None
@@ -109,6 +114,12 @@ class Condition:
         checked(self)
 
     @property
-    def people(self) -> tuple[Push | Lead, ...]:
-        """All who push and lead."""
-        return self.push + self.lead
+    def people(self) -> tuple[Push | Lead | Drag, ...]:
+        """All who push, lead and pull."""
+        return self.push + self.lead + self.drag
+
+    @property
+    def lesson(self) -> Lesson:
+        """What was led by hand under it: the same hands on weightless arms."""
+        start, duration = np.array(self.situation.start), self.duration or RECORD_PERIOD
+        return Lesson(start, self.drag, duration, objects=self.situation.objects)

@@ -8,14 +8,14 @@ import numpy as np
 
 from tpsim.errors import ArgumentError, RecordingError, TpsimError
 from tpsim.study.executor import perform_all
-from tpsim.study.files.about import Demonstrated, Performed, read_about, with_fields
+from tpsim.study.files.about import Demonstrated, Led, Performed, read_about, with_fields
 from tpsim.study.files.limits import check_condition
 from tpsim.study.files.run import Run, number_of
 from tpsim.study.files.run_file import differing
 from tpsim.study.reference import is_ours, load_study
 from tpsim.study.study import Study
 from tpsim.task.task import draw_situation
-from tpsim.world.teaching import show
+from tpsim.world.teaching import demonstrate, show
 from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 
@@ -148,6 +148,8 @@ def _pairs(
             conditions.append(about.condition)
         elif conditions:
             raise RecordingError(f"{file} is a demonstration among trials")
+        elif isinstance(about, Led):
+            check_condition(about.lesson, run.world.timestep, f"{file}: about.lesson")
         _check_seed(run, study, about, file)
     if not conditions:
         for file, trial in zip(files, run.trials(files), strict=True):
@@ -159,9 +161,11 @@ def _pairs(
     yield from zip(run.trials(files), perform_all(study, models, conditions, workers), strict=True)
 
 
-def _check_seed(run: Run, study: Study, about: Performed | Demonstrated, file: Path) -> None:
+def _check_seed(run: Run, study: Study, about: Performed | Demonstrated | Led, file: Path) -> None:
     """A drawn situation and a demonstration are of the seed of their run."""
     seed = run.file.seed
+    if isinstance(about, Led):
+        return
     if isinstance(about, Demonstrated):
         same = about.seed == seed
     else:
@@ -172,14 +176,16 @@ def _check_seed(run: Run, study: Study, about: Performed | Demonstrated, file: P
         raise RecordingError(f"{file} is of another seed than the {seed} of run.json")
 
 
-def _shown(study: Study, about: Performed | Demonstrated, where: object) -> Trial:
-    """A demonstration, shown again."""
-    assert isinstance(about, Demonstrated)
+def _shown(study: Study, about: Performed | Demonstrated | Led, where: object) -> Trial:
+    """A demonstration, shown or led again."""
+    assert not isinstance(about, Performed)
     behaviours = study.task.behaviours()
     if about.behaviour not in behaviours:
         raise RecordingError(
             f"{where}: about.behaviour is '{about.behaviour}'; the task has {', '.join(behaviours)}"
         )
+    if isinstance(about, Led):
+        return demonstrate(study.task.stage, about.lesson.lesson, study.task.sites())
     teacher = behaviours[about.behaviour].teacher
     return show(study.task.stage, teacher, about.attempt, seed=about.seed, sites=study.task.sites())
 

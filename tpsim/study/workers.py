@@ -85,6 +85,8 @@ class Workers(Generic[A, B]):
         ``make(given)`` makes the function, once in every worker.
     given : object
         Sent by value with cloudpickle: functions of a user's file or notebook may be in it.
+    apart : bool
+        Whether one worker, too, is a process of its own, so that this one has its hands free.
     executor : callable, optional
         Makes an executor of so many workers, and a new one when it broke; :func:`processes` by
         default.
@@ -96,13 +98,15 @@ class Workers(Generic[A, B]):
         make: Callable[[G], Callable[[A], B]],
         given: G,
         executor: Callable[[int], Executor] = processes,
+        *,
+        apart: bool = False,
     ):
-        self._count, self._new = count, executor
+        self._count, self._new, self._apart = count, executor, apart or count > 1
         self._make, self._given = make, given
         self._executor: Executor | None = None
 
     def __enter__(self) -> "Workers[A, B]":
-        if self._count > 1:
+        if self._apart:
             self._packed = _by_value((self._make, self._given))
             self._executor = self._new(self._count)
         else:
@@ -117,7 +121,7 @@ class Workers(Generic[A, B]):
 
         What the function raises is raised here.
         """
-        if self._count == 1:
+        if not self._apart:
             yield from map(self._function, arguments)
             return
         waiting = deque(range(len(arguments)))

@@ -5,6 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
+from tpsim.robot.objects import Objects
 from tpsim.robot.state import State
 from tpsim.world.object_path import MovingObjects, ObjectPath
 from tpsim.world.plant import NOMINAL, Delay, Plant, Sensors
@@ -38,6 +39,16 @@ class Person(Protocol):
         ...
 
 
+class Moves(Protocol):
+    """What moves the objects of one simulation."""
+
+    now: Objects
+
+    def act(self, step: int) -> None:
+        """Move the objects to their poses at a time step."""
+        ...
+
+
 class Episode:
     """What a controller drives its robot in, one time step after another.
 
@@ -57,6 +68,9 @@ class Episode:
     Attributes
     ----------
     people : list of BoundPerson
+        More may come while it goes.
+    objects : MovingObjects
+        What moves the objects; who leads them by hand puts something else of this kind there.
     truth : State
         Where the robot is, which people feel and recordings keep; sensors may say otherwise.
     saturated, contacts : int
@@ -75,7 +89,7 @@ class Episode:
         self.simulation, self._plant = simulation, plant
         self._limit = simulation.robot.torque_limit
         self.people = [person.bind(simulation) for person in people]
-        self._objects = MovingObjects(objects, simulation)
+        self.objects: Moves = MovingObjects(objects, simulation)
         period = plant.control_period
         self.control_steps = 1 if period is None else max(1, round(period / simulation.timestep))
 
@@ -93,8 +107,8 @@ class Episode:
     def sense(self) -> State:
         """Move the objects to where they are now; return what the robot senses."""
         simulation = self.simulation
-        self._objects.act(self._step)
-        x, seen, time = simulation.x, self._objects.now, simulation.data.time
+        self.objects.act(self._step)
+        x, seen, time = simulation.x, self.objects.now, simulation.data.time
         self.truth = State(simulation.robot, x, seen, time)
         if self._sensors is None:
             return self.truth

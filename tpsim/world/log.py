@@ -43,8 +43,11 @@ class Log:
         keep["contact_steps"].append(episode.contacts)
         keep["torque"].append(torque)
         for person in episode.people:
-            keep[person, "wrench"].append(person.wrench)
-            keep[person, "point"].append(person.point)
+            for part, now in (("wrench", person.wrench), ("point", person.point)):
+                row = keep[person, part]
+                # Who comes later was not there before.
+                row.extend([np.zeros_like(now)] * (len(self._states) - len(row)))
+                row.append(now)
         state = episode.truth
         # Now, while its kinematics are computed; the state remembers them.
         for site in self._sites.values():
@@ -123,6 +126,8 @@ class Log:
         samples = len(self._states)
         signals = {"push_wrench": np.zeros((samples, 6)), "push_point": np.zeros((samples, 3))}
         for person in self._episode.people:
+            if not self._samples[person, "wrench"]:
+                continue  # came after the last sample
             wrench, point = f"{person.name}_wrench", f"{person.name}_point"
             acts, at = (np.array(self._samples[person, part]) for part in ("wrench", "point"))
             busy = acts.any(axis=1, keepdims=True)

@@ -97,7 +97,9 @@ class ObjectPath:
         before, after, share = around(np.array(self.times), times)
         p, share = np.array(self.positions), share[:, None]
         turned = np.array(self.quaternions)
-        turned = rotation.continuous(turned / np.linalg.norm(turned, axis=1, keepdims=True))
+        size = np.linalg.norm(turned, axis=1, keepdims=True)
+        # What is a unit already stays as it is, so that poses of this path make the same path.
+        turned = rotation.continuous(turned / np.where(np.abs(size - 1) < 1e-12, 1.0, size))
         return p[before] + share * (p[after] - p[before]), _slerp(
             turned[before], turned[after], share
         )
@@ -160,17 +162,23 @@ class MovingObjects:
 
 def _twists(positions: np.ndarray, quaternions: np.ndarray, timestep: float) -> np.ndarray | None:
     """Velocities (T, k, 6) [m/s], [rad/s] since the step before; None where nothing moves."""
+    if not (np.ptp(positions, axis=0).any() or np.ptp(quaternions, axis=0).any()):
+        return None
+    twists = velocities(positions, quaternions, timestep)
+    # It rests at the end of its path.
+    twists[-1] = 0.0
+    return twists
+
+
+def velocities(positions: np.ndarray, quaternions: np.ndarray, timestep: float) -> np.ndarray:
+    """Velocities (T, k, 6) [m/s], [rad/s] since the step before; a jump is no motion."""
     moved = np.diff(positions, axis=0, prepend=positions[:1]) / timestep
     turned = np.diff(quaternions, axis=0, prepend=quaternions[:1])
-    if not (moved.any() or turned.any()):
-        return None
     # omega = 2 dq q^*, of which the vector part counts.
     w, v = quaternions[..., :1], quaternions[..., 1:]
     dw, dv = turned[..., :1], turned[..., 1:]
     omega = 2 * (w * dv - dw * v - np.cross(dv, v)) / timestep
     twists = np.concatenate((moved, omega), axis=-1)
-    # It rests at the end of its path, and a jump is no motion.
-    twists[-1] = 0.0
     twists[np.linalg.norm(moved, axis=-1) > FAST] = 0.0
     return twists
 

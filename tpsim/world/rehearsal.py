@@ -89,7 +89,9 @@ def hindrance(world: World, lesson: Lesson) -> str:
     for count, k in enumerate(range(0, round(lesson.duration / world.timestep), stride)):
         state = robot.at(q)
         asked = [
-            _asked(guide, state, k * world.timestep, world.timestep) for guide in lesson.guides
+            _asked(guide, state, k * world.timestep, world.timestep)
+            for guide in lesson.guides
+            if isinstance(guide, Guide)  # who drags, has gone already where the arm goes
         ]
         if any(behind for _, _, behind in asked):
             return "a hand stays behind"

@@ -8,10 +8,11 @@ from tpsim.border import Duration, border
 from tpsim.checks import finite_array
 from tpsim.errors import ArgumentError
 from tpsim.world.episode import Episode, Person
-from tpsim.world.impedance import Controller, Drive
+from tpsim.world.impedance import Controller, Drive, Impedance
 from tpsim.world.log import Log
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.plant import NOMINAL, Plant
+from tpsim.world.simulation import Simulation
 from tpsim.world.tank import Tank
 from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
@@ -68,34 +69,109 @@ def rollout(
     ArgumentError, SimulationError
         A duration that is not positive, a start posture or an object that does not fit.
     """
-    begin = finite_array("start", start)
-    steps, stride = (max(1, round(t / world.timestep)) for t in (duration, RECORD_PERIOD))
-    episode = Episode(world.simulation(plant), people, objects, plant)
-    drive = Drive(world.robot, world.timestep * episode.control_steps, tank)
-    log = Log(episode, world.robot.hands if sites is None else sites)
-    episode.reset(begin)
-    outcome, hold = "done", episode.control_steps
-    command, wanted = None, np.zeros(world.robot.n)
-    for step in range(steps):
-        state = episode.sense()
-        if step % hold == 0:
-            command = controller.command(state, state.time)
-            wanted = drive.torque(command, state)
-        torque = episode.act(wanted)
-        if not np.isfinite(torque.dot(torque)):
-            outcome = "diverged"
+    steps = max(1, round(duration / world.timestep))
+    going = Rollout(
+        world.simulation(plant),
+        controller,
+        start,
+        sites=sites,
+        people=people,
+        objects=objects,
+        plant=plant,
+        tank=tank,
+    )
+    for _ in range(steps):
+        if not going.step():
             break
-        if step % stride == 0:
+    return going.trial()
+
+
+class Rollout:
+    """A roll-out as it goes, one time step after another: whoever drives the clock.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    controller : Controller
+    start, sites, people, objects, plant, tank
+        As for :func:`rollout`.
+    recorded : bool
+        Whether samples are kept for :meth:`trial`.
+
+    Attributes
+    ----------
+    episode : Episode
+        Whose people may come and go meanwhile.
+    steps : int
+        Time steps so far.
+    state : State
+        What the robot sensed last.
+    command : Impedance, ndarray or None
+        The last one.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        controller: Controller,
+        start: Sequence[float] | np.ndarray,
+        *,
+        sites: Mapping[str, str] | None = None,
+        people: Sequence[Person] = (),
+        objects: Sequence[ObjectPath] = (),
+        plant: Plant = NOMINAL,
+        tank: Tank | None = None,
+        recorded: bool = True,
+    ):
+        begin, robot = finite_array("start", start), simulation.robot
+        self.controller, self.recorded = controller, recorded
+        self.episode = episode = Episode(simulation, people, objects, plant)
+        self._hold = episode.control_steps
+        self._stride = max(1, round(RECORD_PERIOD / simulation.timestep))
+        self.drive = Drive(robot, simulation.timestep * self._hold, tank)
+        self._log = Log(episode, robot.hands if sites is None else sites)
+        episode.reset(begin)
+        self.steps, self._outcome = 0, "done"
+        self.state = robot.at(begin)
+        self.command: Impedance | np.ndarray | None = None
+        self._wanted = np.zeros(robot.n)
+
+    def step(self) -> bool:
+        """Let one time step pass; False, and nothing passes, where the robot diverged."""
+        episode = self.episode
+        self.state = state = episode.sense()
+        if self.steps % self._hold == 0:
+            self.command = self.controller.command(state, state.time)
+            self._wanted = self.drive.torque(self.command, state)
+        torque = episode.act(self._wanted)
+        if not np.isfinite(torque.dot(torque)):
+            self._outcome = "diverged"
+            return False
+        if self.steps % self._stride == 0:
             if episode.diverged:
-                outcome = "diverged"
-                break
-            assert command is not None
-            log.add(torque, command, drive.energies)
+                self._outcome = "diverged"
+                return False
+            if self.recorded:
+                assert self.command is not None
+                self._log.add(torque, self.command, self.drive.energies)
         episode.advance(torque)
-    if not log:
-        raise ArgumentError(
-            f"the controller asked for torques that are not finite from the start: {wanted}"
-        )
-    if episode.contacts and outcome == "done":
-        outcome = "contact"
-    return Trial(log.arrays(), outcome, log.channels, touched=episode.touched)
+        self.steps += 1
+        return True
+
+    def trial(self) -> Trial:
+        """What was recorded up to now.
+
+        Raises
+        ------
+        ArgumentError
+            If the controller asked for torques that are not finite from the start.
+        """
+        if not self._log:
+            raise ArgumentError(
+                "the controller asked for torques that are not finite from the start: "
+                f"{self._wanted}"
+            )
+        outcome, episode = self._outcome, self.episode
+        if episode.contacts and outcome == "done":
+            outcome = "contact"
+        return Trial(self._log.arrays(), outcome, self._log.channels, touched=episode.touched)

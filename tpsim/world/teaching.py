@@ -11,6 +11,7 @@ from tpsim.border import Duration, checked
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.robot.robot import Robot
 from tpsim.world.object_path import ObjectPath
+from tpsim.world.people.drag import Drag
 from tpsim.world.people.guide import Guide
 from tpsim.world.rollout import rollout
 from tpsim.world.threads import one_thread
@@ -79,7 +80,7 @@ class Lesson:
     ----------
     start : (n,)
         Posture in which the arms are when the hands take hold [rad].
-    guides : tuple of Guide
+    guides : tuple of Guide or Drag
         The hands.
     duration : float
         Time [s].
@@ -90,7 +91,7 @@ class Lesson:
     """
 
     start: np.ndarray
-    guides: tuple[Guide, ...]
+    guides: tuple[Guide | Drag, ...]
     duration: Duration
     held: tuple[str, ...] = ()
     objects: tuple[ObjectPath, ...] = ()
@@ -121,13 +122,14 @@ def _demonstrate(
         people=lesson.guides,
         objects=lesson.objects,
     )
-    refusal = _refusal(robot, trial, lesson)
+    refusal = fault(robot, trial, lesson)
     if trial.outcome == "done" and refusal is not None:
         trial = trial.with_about(refusal.reason)
     return trial, refusal
 
 
-def _refusal(robot: Robot, trial: Trial, lesson: Lesson) -> Refusal | None:
+def fault(robot: Robot, trial: Trial, lesson: Lesson) -> Refusal | None:
+    """What went wrong while a lesson was shown, whatever it was to show; None where nothing did."""
     q, reason = trial["q"], ""
     if trial.outcome != "done":
         reason = f"contact of {trial.touched}" if trial.touched else trial.outcome

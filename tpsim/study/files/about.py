@@ -55,6 +55,22 @@ class Demonstrated:
     attempt: int
 
 
+@dataclass(frozen=True)
+class Led:
+    """``about`` of a demonstration that a person led by hand in the playground.
+
+    Parameters
+    ----------
+    behaviour : str
+        That was shown.
+    lesson : Condition
+        Start, objects, hands and duration; no controller.
+    """
+
+    behaviour: str
+    lesson: Condition
+
+
 def task_fields(task: Task) -> dict[str, object]:
     """Parameters of a task as plain JSON values.
 
@@ -83,7 +99,7 @@ def with_fields(task: T, found: dict[str, object], where: object) -> T:
     return restore(found, type(task), where)
 
 
-def read_about(trial: Trial, where: object) -> Performed | Demonstrated:
+def read_about(trial: Trial, where: object) -> Performed | Demonstrated | Led:
     """What a recorded trial says about itself.
 
     Raises
@@ -94,6 +110,8 @@ def read_about(trial: Trial, where: object) -> Performed | Demonstrated:
     found, name = dict(trial.about), f"{where}: about"
     if "condition" in found:
         return restore(found, Performed, name)
+    if "lesson" in found:
+        return restore(found, Led, name)
     shown = restore(found, Demonstrated, name)
     for field, number in (("seed", shown.seed), ("attempt", shown.attempt)):
         if not 0 <= number < 2**32:

@@ -56,6 +56,8 @@ def _times(condition: "Condition") -> dict[str, float]:
     for i, lead in enumerate(condition.lead):
         for name in ("start", "duration", "rest"):
             times[f"lead[{i}].{name}"] = getattr(lead, name)
+    for i, drag in enumerate(condition.drag):
+        times[f"drag[{i}].times"] = drag.times[-1]
     for i, path in enumerate(condition.situation.objects):
         times[f"situation.objects[{i}].times"] = max(0.0, path.times[-1])
     return times

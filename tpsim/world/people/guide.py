@@ -47,13 +47,20 @@ class HandPath:
     def seen_from(self, frame: Moving | None, k: int) -> Moving:
         """Pose and twist (6,) wanted at step k, of a path in a frame that moves."""
         R, p, v, w = self.rotation[k], self.position[k], self.velocity[k], self.angular_velocity[k]
-        if frame is not None:
-            (R_other, p_other), moved = frame
-            arm = R_other @ p
-            v = moved[:3] + np.array(pin.skew(moved[3:])) @ arm + R_other @ v
-            w = moved[3:] + R_other @ w
-            R, p = R_other @ R, p_other + arm
-        return Pose(R, p), np.concatenate([v, w])
+        return carried(R, p, v, w, frame)
+
+
+def carried(
+    R: np.ndarray, p: np.ndarray, v: np.ndarray, w: np.ndarray, frame: Moving | None
+) -> Moving:
+    """Pose and twist (6,) in the world, of a pose (R, p) and velocities (v, w) in a frame."""
+    if frame is not None:
+        (R_other, p_other), moved = frame
+        arm = R_other @ p
+        v = moved[:3] + np.array(pin.skew(moved[3:])) @ arm + R_other @ v
+        w = moved[3:] + R_other @ w
+        R, p = R_other @ R, p_other + arm
+    return Pose(R, p), np.concatenate([v, w])
 
 
 @dataclass(frozen=True)

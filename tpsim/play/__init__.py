@@ -1,0 +1,1 @@
+"""The playground: teach, push and watch in the browser."""

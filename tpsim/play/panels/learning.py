@@ -1,0 +1,69 @@
+"""The panel to learn from what was shown."""
+
+from dataclasses import fields
+from typing import TYPE_CHECKING
+
+import viser
+
+from tpsim.play.lessons import Learned
+
+if TYPE_CHECKING:
+    from tpsim.play.page import Page
+
+
+class LearningPanel:
+    """How it is learned, and what was.
+
+    Parameters
+    ----------
+    page : Page
+    """
+
+    def __init__(self, page: "Page"):
+        self._page, gui = page, page.server.gui
+        task = page.session.task
+        self._components = None
+        if any(field.name == "components" for field in fields(task)):  # type: ignore[arg-type]
+            usual = int(task.components)  # type: ignore[attr-defined]
+            self._components = gui.add_slider("Components", 1, max(12, usual), 1, usual)
+        self._frames = {}
+        for name, behaviour in task.behaviours().items():
+            with gui.add_folder(f"Frames of {name}"):
+                for view in behaviour.views:
+                    self._frames[name, view] = gui.add_checkbox(view, True)
+        self._button = gui.add_button("Learn from what was shown", icon=viser.Icon.SCHOOL)
+        self._button.on_click(page.guarded(self._learn))
+        self._said = gui.add_markdown("")
+        self._learned: Learned | None = None
+
+    def refresh(self) -> None:
+        """Say what was learned."""
+
+    def show(self, learned: Learned) -> None:
+        """Say what was learned."""
+        self._learned = learned
+        rows = []
+        for name, count in learned.counts.items():
+            whose = "yours" if name in learned.by_hand else "recorded"
+            likelihood = learned.log_likelihood.get(name)
+            words = "" if likelihood is None else f", log-likelihood {likelihood:.1f}"
+            rows.append(f"**{name}** from {count} demonstrations ({whose}){words}")
+        self._said.content = "  \n".join(rows)
+
+    def _learn(self) -> None:
+        page, session = self._page, self._page.session
+        without: dict[str, list[str]] = {}
+        for (name, view), box in self._frames.items():
+            if not box.value:
+                without.setdefault(name, []).append(view)
+        self._button.disabled, self._button.label = True, "Learning ..."
+        try:
+            if self._components is not None:
+                with session.lock:
+                    session.set_fields(components=int(self._components.value))
+            learned = page.lessons.learn(session.task, without)
+        finally:
+            self._button.disabled, self._button.label = False, "Learn from what was shown"
+        with session.lock:
+            session.set_models(learned.models)
+        self.show(learned)

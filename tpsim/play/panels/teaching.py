@@ -1,0 +1,176 @@
+"""The panel to teach by hand."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import viser
+
+from tpsim.play.hands import Others
+from tpsim.play.lessons import FEWEST
+from tpsim.play.session import Recorded
+from tpsim.plot.style import PALETTE
+
+if TYPE_CHECKING:
+    from tpsim.play.page import Page
+
+OTHERS: tuple[Others, ...] = ("held", "following", "free")
+
+SEGMENTS = 200
+"""Lines of a trace, at most."""
+
+
+class TeachingPanel:
+    """Buttons to show, keep and throw away; gizmos on the hands; traces of what was shown.
+
+    Parameters
+    ----------
+    page : Page
+    """
+
+    def __init__(self, page: "Page"):
+        self._page, gui = page, page.server.gui
+        behaviours = tuple(page.session.task.behaviours())
+        self._free = gui.add_button("Make the arms weightless", icon=viser.Icon.FEATHER)
+        self._free.on_click(page.guarded(self._teach))
+        self._behaviour = gui.add_dropdown("Show", behaviours, hint="Behaviours are shown apart")
+        self._others = gui.add_dropdown("Other hand", OTHERS, hint="While one is led")
+        self._others.on_update(page.guarded(self._choose))
+        self._show = gui.add_button("Start a demonstration", icon=viser.Icon.PLAYER_RECORD)
+        self._show.on_click(page.guarded(self._toggle))
+        self._keep = gui.add_button("Keep it", icon=viser.Icon.CHECK, visible=False)
+        self._keep.on_click(page.guarded(self._keep_it))
+        self._drop = gui.add_button("Throw it away", icon=viser.Icon.TRASH, visible=False)
+        self._drop.on_click(page.guarded(self._drop_it))
+        self._last = gui.add_button("Throw the last kept away", icon=viser.Icon.TRASH)
+        self._last.on_click(page.guarded(self._drop_last))
+        self._said = gui.add_markdown("")
+        self._pending: Recorded | None = None
+        self._gizmos = {
+            site: self._gizmo(name, site) for name, site in page.session.world.robot.hands.items()
+        }
+        self._led: set[str] = set()
+        self._traces: list = []
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Bring it to the state of the session."""
+        session, shown = self._page.session, self._page.lessons.shown
+        showing = session.mode == "teach" and (session.recording or session.armed)
+        self._show.label = "Stop" if showing else "Start a demonstration"
+        self._show.color = "red" if showing else None
+        self._free.visible = session.mode != "teach"
+        self._keep.visible = self._drop.visible = self._pending is not None
+        self._last.disabled = not any(shown.values())
+        rows = [f"{name}: {len(found)} shown" for name, found in shown.items()]
+        words = "" if self._pending is None else self._verdict(self._pending) + "\n\n"
+        self._said.content = words + "  \n".join(rows) + f"  \n{FEWEST} of a behaviour are enough."
+
+    def follow(self) -> None:
+        """Bring the gizmos to the hands, but those that somebody holds."""
+        session = self._page.session
+        for site, gizmo in self._gizmos.items():
+            gizmo.visible = session.mode == "teach"
+            if session.mode == "teach" and site not in self._led:
+                with session.lock:
+                    pose = session.world.robot.at(session.going.state.q).pose(site)
+                gizmo.position, gizmo.wxyz = pose.position, pose.quaternion
+
+    @staticmethod
+    def _verdict(recorded: Recorded) -> str:
+        seconds = recorded.condition.duration
+        fault = recorded.fault
+        return f"**{seconds:.1f} s of {recorded.behaviour}.** " + (
+            f"Better not: {fault}." if fault else "Well shown."
+        )
+
+    def _gizmo(self, name: str, site: str):  # type: ignore[no-untyped-def]
+        gizmo = self._page.server.scene.add_transform_controls(
+            f"/gizmo/{name}", 0.16, line_width=3.0, depth_test=False, visible=False
+        )
+
+        @gizmo.on_drag_start
+        async def _(event) -> None:  # type: ignore[no-untyped-def]
+            self._led.add(site)
+            with self._page.session.lock:
+                self._page.session.grab(
+                    (site, event.client_id), site, gizmo.position, _four(gizmo.wxyz)
+                )
+
+        @gizmo.on_update
+        async def _(event) -> None:  # type: ignore[no-untyped-def]
+            with self._page.session.lock:
+                self._page.session.move((site, event.client_id), gizmo.position, _four(gizmo.wxyz))
+
+        @gizmo.on_drag_end
+        async def _(event) -> None:  # type: ignore[no-untyped-def]
+            self._led.discard(site)
+            with self._page.session.lock:
+                self._page.session.let_go((site, event.client_id))
+
+        return gizmo
+
+    def _teach(self) -> None:
+        with self._page.session.lock:
+            self._page.session.teach()
+
+    def _choose(self) -> None:
+        self._page.session.others = self._others.value
+
+    def _toggle(self) -> None:
+        page, session = self._page, self._page.session
+        with session.lock:
+            if not (session.mode == "teach" and (session.recording or session.armed)):
+                session.start_demonstration(self._behaviour.value)
+                self._pending = None
+                return
+            recorded = session.stop()
+        self._pending = page.lessons.judge(session.task, recorded)
+
+    def _keep_it(self) -> None:
+        page, pending = self._page, self._pending
+        if pending is None:
+            return
+        kept = [*page.lessons.shown[pending.behaviour], pending]
+        session = page.session
+        page.shelf.keep_demonstrations(session.study, pending.behaviour, kept, session.seed)
+        page.lessons.keep(pending)
+        self._pending = None
+        self._draw()
+
+    def _drop_it(self) -> None:
+        self._pending = None
+
+    def _drop_last(self) -> None:
+        page, behaviour = self._page, self._behaviour.value
+        page.lessons.throw_away(behaviour)
+        session, shown = page.session, page.lessons.shown[behaviour]
+        page.shelf.keep_demonstrations(session.study, behaviour, shown, session.seed)
+        self._draw()
+
+    def _draw(self) -> None:
+        """Traces of the hands in all that was kept."""
+        for trace in self._traces:
+            trace.remove()
+        self._traces = []
+        for k, (behaviour, found) in enumerate(self._page.lessons.shown.items()):
+            red, green, blue = bytes.fromhex(PALETTE[k % len(PALETTE)][1:])
+            for number, recorded in enumerate(found):
+                for hand in self._page.session.world.robot.hands:
+                    if f"{hand}_position" not in recorded.trial.arrays:
+                        continue
+                    path = recorded.trial[f"{hand}_position"]
+                    path = path[:: max(1, len(path) // SEGMENTS)]
+                    if np.ptp(path, axis=0).max() < 0.01:
+                        continue
+                    self._traces.append(
+                        self._page.server.scene.add_line_segments(
+                            f"/shown/{behaviour}/{number}/{hand}",
+                            np.stack([path[:-1], path[1:]], axis=1),
+                            (red, green, blue),
+                        )
+                    )
+
+
+def _four(quaternion: np.ndarray) -> tuple[float, float, float, float]:
+    w, x, y, z = np.asarray(quaternion, float).tolist()
+    return w, x, y, z

@@ -1,0 +1,281 @@
+"""The scene in the page: robot and objects, hands that pull, and what is drawn over them."""
+
+from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+import viser
+from mjviser import ViserMujocoScene
+from mjviser.conversions import merge_geoms
+
+from tpsim import rotation
+from tpsim.film.camera import HERO, cameras
+from tpsim.play.session import Session
+from tpsim.world.impedance import Impedance, hand_stiffness
+from tpsim.world.world import World
+
+ORANGE, BLUE, GHOST = (242, 128, 20), (41, 133, 184), (90, 110, 200)
+
+PER_NEWTON = 0.006
+"""Length [m] of an arrow for one newton."""
+
+LEAST_FORCE = 0.2
+"""Force [N] that is shown, at least."""
+
+AXIS, OF = 0.09, 500.0
+"""A semi-axis of AXIS m is OF N/m; axes grow with the root."""
+
+SHOWN = 2
+"""Group of geoms that are looked at; those that collide are in others."""
+
+Grabbed = Callable[[int, int, str, np.ndarray, np.ndarray], None]
+"""Told client, body, phase of the drag, point that was taken (3,), and where it is wanted (3,)."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What there is to see at one moment, copied so that time can go on."""
+
+    xpos: np.ndarray
+    xmat: np.ndarray
+    mocap: tuple[np.ndarray, np.ndarray]
+    pulls: list[tuple[np.ndarray, np.ndarray, np.ndarray]]
+    beside: tuple[np.ndarray, np.ndarray] | None
+    stiffness: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, session: Session, stiffness: bool = False) -> "Picture":
+        """What a session looks like now; its lock must be held."""
+        going = session.going
+        data = going.episode.simulation.data
+        pulls = []
+        for pull in session.pulls.values():
+            drag = pull.drag
+            pulls.append((drag.point.copy(), drag.wrench[:3].copy(), drag.target.copy()))
+        beside = None
+        if session.beside is not None:
+            other = session.beside.episode.simulation.data
+            beside = other.xpos.copy(), other.xmat.copy()
+        found = []
+        if stiffness and isinstance(going.command, Impedance):
+            state = going.state
+            for site in session.world.robot.hands.values():
+                K = hand_stiffness(state.jacobian(site), going.command.stiffness)[:3, :3]
+                found.append((state.pose(site).position.copy(), K))
+        mocap = data.mocap_pos.copy(), data.mocap_quat.copy()
+        return cls(data.xpos.copy(), data.xmat.copy(), mocap, pulls, beside, found)
+
+
+class Stage:
+    """The 3-D part of a page.
+
+    Parameters
+    ----------
+    server : viser.ViserServer
+    world : World
+    grabbed : callable
+        Told when somebody drags a body.
+    """
+
+    def __init__(self, server: viser.ViserServer, world: World, grabbed: Grabbed):
+        self._server, self._model = server, copy(world.model)
+        self._data = mujoco.MjData(self._model)
+        self._scene = ViserMujocoScene(server, self._model, 1)
+        self._scene.camera_tracking_enabled = False
+        # Site balls of hands would hide what they hold.
+        self._scene.site_groups_visible = [False] * 6
+        self._scene._sync_visibilities()
+        server.scene.configure_environment_map(environment_intensity=0.35)
+        server.scene.world_axes.visible = False
+        frame(server, world)
+        for group in self._scene._mesh_groups:
+            self._listen(group.handle, group.body_ids, grabbed)
+        self._arrows = _Arrows(server)
+        self._ellipsoids = Ellipsoids(server, "/over/stiffness", BLUE, 0.35)
+        self._ghost: _Ghost | None = None
+
+    @staticmethod
+    def _listen(handle, bodies: np.ndarray, grabbed: Grabbed) -> None:  # type: ignore[no-untyped-def]
+        # Coroutines are called in order: a start never comes after its end.
+        @handle.on_drag
+        async def _(event) -> None:  # type: ignore[no-untyped-def]
+            body = int(bodies[event.instance_index or 0])
+            here, wanted = np.array(event.start_position), np.array(event.end_position)
+            grabbed(event.client_id, body, event.phase, here, wanted)
+
+    def draw(self, picture: Picture, stiffness: bool = False) -> None:
+        """Show a picture to all who watch; its stiffness, where somebody looked at it."""
+        data = self._data
+        data.xpos[:], data.xmat[:] = picture.xpos, picture.xmat
+        data.mocap_pos[:], data.mocap_quat[:] = picture.mocap
+        with self._server.atomic():
+            self._scene.update_from_mjdata(data)
+            self._arrows.draw(picture.pulls)
+            if stiffness:
+                self._ellipsoids.draw([self._axes(*each) for each in picture.stiffness])
+            if picture.beside is not None and self._ghost is None:
+                self._ghost = _Ghost(self._server, self._model)
+            if self._ghost is not None:
+                self._ghost.draw(picture.beside)
+
+    @staticmethod
+    def _axes(centre: np.ndarray, K: np.ndarray) -> "Ellipsoid":
+        values, axes = np.linalg.eigh((K + K.T) / 2)
+        size = np.clip(AXIS * np.sqrt(np.maximum(values, 0) / OF), 0.004, 0.16)
+        return Ellipsoid(centre, axes, size)
+
+
+@dataclass(frozen=True)
+class Ellipsoid:
+    """An ellipsoid: centre (3,) [m], axes (3, 3) in the columns, semi-axes (3,) [m]."""
+
+    centre: np.ndarray
+    axes: np.ndarray
+    size: np.ndarray
+
+
+class Ellipsoids:
+    """Several ellipsoids, of which the number may change."""
+
+    def __init__(
+        self, server: viser.ViserServer, name: str, colour: tuple[int, int, int], opacity: float
+    ):
+        self._server, self._name, self._colour, self._opacity = server, name, colour, opacity
+        self._handle: viser.BatchedMeshHandle | None = None
+        self._count = 0
+
+    def draw(self, shapes: Sequence[Ellipsoid]) -> None:
+        """Show these, and no others."""
+        if len(shapes) != self._count:
+            if self._handle is not None:
+                self._handle.remove()
+                self._handle = None
+            self._count = len(shapes)
+        if not shapes:
+            return
+        axes = np.array([shape.axes for shape in shapes])
+        axes[:, :, 0] *= np.sign(np.linalg.det(axes))[:, None]
+        turned = rotation.to_quaternion(axes)
+        centres, sizes = (
+            np.array([getattr(s, part) for s in shapes]) for part in ("centre", "size")
+        )
+        if self._handle is None:
+            vertices, faces = _ball()
+            self._handle = self._server.scene.add_batched_meshes_simple(
+                self._name,
+                vertices,
+                faces,
+                turned,
+                centres,
+                batched_scales=sizes,
+                batched_colors=self._colour,
+                opacity=self._opacity,
+                lod="off",
+                cast_shadow=False,
+                receive_shadow=False,
+            )
+        else:
+            self._handle.batched_wxyzs = turned
+            self._handle.batched_positions = centres
+            self._handle.batched_scales = sizes
+
+
+class _Arrows:
+    """Forces of hands, with their size in N."""
+
+    def __init__(self, server: viser.ViserServer):
+        self._server = server
+        self._arrows: viser.ArrowsHandle | None = None
+        self._labels: list[viser.LabelHandle] = []
+
+    def draw(self, pulls: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> None:
+        pulls = [pull for pull in pulls if np.linalg.norm(pull[1]) > LEAST_FORCE]
+        if not pulls:
+            if self._arrows is not None:
+                self._arrows.visible = False
+            for label in self._labels:
+                label.visible = False
+            return
+        ends = np.array([[p, p + PER_NEWTON * force] for p, force, _ in pulls], np.float32)
+        if self._arrows is None:
+            self._arrows = self._server.scene.add_arrows(
+                "/over/forces",
+                ends,
+                ORANGE,
+                shaft_radius=0.007,
+                head_radius=0.018,
+                head_length=0.045,
+            )
+        self._arrows.points, self._arrows.visible = ends, True
+        while len(self._labels) < len(pulls):
+            name = f"/over/newton{len(self._labels)}"
+            self._labels.append(self._server.scene.add_label(name, "", depth_test=False))
+        for k, label in enumerate(self._labels):
+            label.visible = k < len(pulls)
+            if k < len(pulls):
+                label.text = f"{np.linalg.norm(pulls[k][1]):.0f} N"
+                label.position = ends[k, 1]
+
+
+class _Ghost:
+    """The robot of another controller, seen through."""
+
+    def __init__(self, server: viser.ViserServer, model: mujoco.MjModel):
+        self._parts = []
+        for body in range(model.nbody):
+            geoms = [
+                geom
+                for geom in range(model.ngeom)
+                if model.geom_bodyid[geom] == body and model.geom_group[geom] <= SHOWN
+            ]
+            if geoms and model.body_weldid[body] and model.body_mocapid[body] < 0:
+                mesh = merge_geoms(model, geoms)
+                handle = server.scene.add_mesh_simple(
+                    f"/ghost/{body}",
+                    mesh.vertices,
+                    mesh.faces,
+                    color=GHOST,
+                    opacity=0.25,
+                    cast_shadow=False,
+                    receive_shadow=False,
+                )
+                self._parts.append((body, handle))
+
+    def draw(self, poses: tuple[np.ndarray, np.ndarray] | None) -> None:
+        for body, handle in self._parts:
+            handle.visible = poses is not None
+            if poses is not None:
+                handle.position = poses[0][body]
+                handle.wxyz = rotation.to_quaternion(poses[1][body].reshape(3, 3))
+
+
+def frame(server: viser.ViserServer, world: World) -> None:
+    """Look at the robot: through the camera of films, or from before its hands."""
+    model = world.model
+    data = mujoco.MjData(model)
+    data.qpos[[model.joint(name).qposadr[0] for name in world.description.joints]] = (
+        world.robot.home
+    )
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_camlight(model, data)
+    hands = [data.site(site).xpos for site in world.robot.hands.values()]
+    middle = np.mean(hands, axis=0)
+    camera = server.initial_camera
+    if HERO in cameras(model):
+        place, R = data.camera(HERO).xpos, data.camera(HERO).xmat.reshape(3, 3)
+        ahead = -R[:, 2]
+        camera.position, camera.fov = place, np.radians(model.camera(HERO).fovy[0])
+        camera.look_at = place + ahead * max(float((middle - place) @ ahead), 0.1)
+        return
+    size = max(float(np.linalg.norm(middle - data.xpos[1])), 0.3)
+    camera.look_at = middle
+    camera.position = middle + size * np.array([2.2, 1.4, 1.1])
+
+
+def _ball() -> tuple[np.ndarray, np.ndarray]:
+    import trimesh  # comes with viser
+
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    return ball.vertices, ball.faces

@@ -171,5 +171,6 @@ class Page:
             what = "**Weightless.** Drag the hands; drag objects to where you want them."
         else:
             what = f"**{session.controller.capitalize()}** controller. Drag any part to push it."
-        pace = "paused" if not session.speed else f"{self.clock.pace.factor * session.speed:.2f}× time"
+        factor = self.clock.pace.factor * session.speed
+        pace = f"{factor:.2f}× time" if session.speed else "paused"
         return f"{what}  \nsituation {session.index} · {session.time:.1f} s · {pace}"

@@ -53,7 +53,7 @@ PAGES = {
     "world": ("tpsim.lab", ("world", "scene", "film")),
     "controllers": ("tpsim.lab", ("controllers",)),
     "task": ("tpsim.lab", ("task",)),
-    "study": ("tpsim.lab", ("study",)),
+    "study": ("tpsim.lab", ("study", "campaign")),
     "deploy": ("tpsim.lab", ("deploy",)),
 }
 """Pages of the reference: the room, and the folders whose things stand on it (None: all)."""

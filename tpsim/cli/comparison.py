@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from tyro.conf import arg
+from tyro.conf import UseAppendAction, arg
 
 from tpsim.cli.options import MANY, SEEDS, Answer, Command, number, writable
 from tpsim.errors import ArgumentError
@@ -19,8 +19,9 @@ class Compare(Command):
 
     quick: bool = False
     """One task, four demonstrations, two teachers: a minute instead of many."""
-    method: Annotated[tuple[str, ...], arg(metavar="FILE.PY:FUNCTION")] = ()
-    """Methods of your own beside the others: from demonstrations to a function of frames."""
+    method: Annotated[tuple[str, ...], arg(metavar="FILE.PY:FUNCTION"), UseAppendAction] = ()
+    """A method of your own beside the others, from demonstrations to a function of frames; give the
+    option again for each further one."""
     data: Path | None = None
     """Demonstrations of your own: each is left out once and predicted by the others."""
     frames: tuple[str, ...] = ()
@@ -91,7 +92,7 @@ class Compare(Command):
         """Return the command line that repeats the comparison."""
         words = ["tpsim", "compare", *(["--quick"] if self.quick else [])]
         words += ["--closed-loop"] if self.closed_loop else []
-        words += ["--method", *self.method] if self.method else []
+        words += [word for method in self.method for word in ("--method", method)]
         words += ["--data", str(self.data)] if self.data else []
         words += ["--frames", *self.frames] if self.frames else []
         words += ["--seed", str(self.seed)] if self.seed else []

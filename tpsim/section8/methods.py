@@ -38,6 +38,7 @@ METHODS: dict[str, Method] = {
     "gmr: TP-GMM": peers.gmr_library,
     "movement_primitives: ProMP": peers.promp_library,
     "movement_primitives: DMP": peers.dmp_library,
+    "lc-ns-kmp: KMP": peers.kmp_library,
 }
 """Methods of Section 8 and of Figs 12 to 14, their relatives, and other people's libraries."""
 

@@ -80,14 +80,14 @@ class Workers(Generic[A, B]):
     Parameters
     ----------
     count : int
-        Processes; with 1 all is done in this one.
+        Processes; with 1 all is done in this one, unless an executor is given.
     make : callable
         ``make(given)`` makes the function, once in every worker.
     given : object
         Sent by value with cloudpickle: functions of a user's file or notebook may be in it.
     executor : callable, optional
         Makes an executor of so many workers, and a new one when it broke; :func:`processes` by
-        default.
+        default, where there are several.
     """
 
     def __init__(
@@ -95,14 +95,15 @@ class Workers(Generic[A, B]):
         count: int,
         make: Callable[[G], Callable[[A], B]],
         given: G,
-        executor: Callable[[int], Executor] = processes,
+        executor: Callable[[int], Executor] | None = None,
     ):
-        self._count, self._new = count, executor
+        self._count, self._new = count, executor or processes
+        self._here = count == 1 and executor is None
         self._make, self._given = make, given
         self._executor: Executor | None = None
 
     def __enter__(self) -> "Workers[A, B]":
-        if self._count > 1:
+        if not self._here:
             self._packed = _by_value((self._make, self._given))
             self._executor = self._new(self._count)
         else:
@@ -117,7 +118,7 @@ class Workers(Generic[A, B]):
 
         What the function raises is raised here.
         """
-        if self._count == 1:
+        if self._here:
             yield from map(self._function, arguments)
             return
         waiting = deque(range(len(arguments)))

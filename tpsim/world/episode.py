@@ -1,5 +1,6 @@
 """One trial as it goes: clock, objects, sensors, motors, people, physics, step by step."""
 
+import copy
 from collections.abc import Sequence
 from typing import Protocol
 
@@ -78,6 +79,14 @@ class Episode:
         self._objects = MovingObjects(objects, simulation)
         period = plant.control_period
         self.control_steps = 1 if period is None else max(1, round(period / simulation.timestep))
+
+    def copy(self) -> "Episode":
+        """The same trial at the same moment, with a simulation of its own and nobody in it."""
+        other, simulation = copy.copy(self), self.simulation.copy()
+        other.simulation, other.people = simulation, []
+        other._objects = self._objects.moved_to(simulation)
+        other._sensors, other._delay = copy.deepcopy((self._sensors, self._delay))
+        return other
 
     def reset(self, start: np.ndarray) -> None:
         """Put the robot at rest at a start posture (n,) [rad], and the clock at zero."""

@@ -1,5 +1,6 @@
 """Roll-outs: a controller drives the robot at 1 kHz, people push and lead it, all is recorded."""
 
+import copy
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -8,7 +9,7 @@ from tpsim.border import Duration, border
 from tpsim.checks import finite_array
 from tpsim.errors import ArgumentError
 from tpsim.world.episode import Episode, Person
-from tpsim.world.impedance import Controller, Drive
+from tpsim.world.impedance import Controller, Drive, Impedance
 from tpsim.world.log import Log
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.plant import NOMINAL, Plant
@@ -68,34 +69,106 @@ def rollout(
     ArgumentError, SimulationError
         A duration that is not positive, a start posture or an object that does not fit.
     """
-    begin = finite_array("start", start)
-    steps, stride = (max(1, round(t / world.timestep)) for t in (duration, RECORD_PERIOD))
-    episode = Episode(world.simulation(plant), people, objects, plant)
-    drive = Drive(world.robot, world.timestep * episode.control_steps, tank)
-    log = Log(episode, world.robot.hands if sites is None else sites)
-    episode.reset(begin)
-    outcome, hold = "done", episode.control_steps
-    command, wanted = None, np.zeros(world.robot.n)
-    for step in range(steps):
-        state = episode.sense()
-        if step % hold == 0:
-            command = controller.command(state, state.time)
-            wanted = drive.torque(command, state)
-        torque = episode.act(wanted)
-        if not np.isfinite(torque.dot(torque)):
-            outcome = "diverged"
-            break
-        if step % stride == 0:
-            if episode.diverged:
-                outcome = "diverged"
-                break
-            assert command is not None
-            log.add(torque, command, drive.energies)
-        episode.advance(torque)
-    if not log:
-        raise ArgumentError(
-            f"the controller asked for torques that are not finite from the start: {wanted}"
+    going = Rollout(world, controller, start, duration, sites, people, objects, plant, tank)
+    return going.run().trial()
+
+
+class Rollout:
+    """A roll-out as it goes, which may be stopped, forked and gone on with.
+
+    Parameters
+    ----------
+    world, controller, start, duration, sites, people, objects, plant, tank
+        As for :func:`rollout`.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        controller: Controller,
+        start: Sequence[float] | np.ndarray,
+        duration: float,
+        sites: Mapping[str, str] | None = None,
+        people: Sequence[Person] = (),
+        objects: Sequence[ObjectPath] = (),
+        plant: Plant = NOMINAL,
+        tank: Tank | None = None,
+    ):
+        begin, self._world = finite_array("start", start), world
+        self._steps, self._stride = (
+            max(1, round(t / world.timestep)) for t in (duration, RECORD_PERIOD)
         )
-    if episode.contacts and outcome == "done":
-        outcome = "contact"
-    return Trial(log.arrays(), outcome, log.channels, touched=episode.touched)
+        self._episode = Episode(world.simulation(plant), people, objects, plant)
+        period = world.timestep * self._episode.control_steps
+        self._drive = Drive(world.robot, period, tank)
+        self._log = Log(self._episode, world.robot.hands if sites is None else sites)
+        self._episode.reset(begin)
+        self._controller, self._outcome = controller, "done"
+        self._command: Impedance | np.ndarray | None = None
+        self._wanted = np.zeros(world.robot.n)
+        self._step = 0
+        self._watched: tuple[Person, ...] = ()
+
+    def run(self, until: int | None = None) -> "Rollout":
+        """Go on to a time step, by default to the end."""
+        episode, drive, log, controller = self._episode, self._drive, self._log, self._controller
+        command, wanted, hold = self._command, self._wanted, episode.control_steps
+        last = self._steps if until is None else min(until, self._steps)
+        for step in range(self._step, last if self._outcome == "done" else self._step):
+            state = episode.sense()
+            if step % hold == 0:
+                command = controller.command(state, state.time)
+                wanted = drive.torque(command, state)
+            torque = episode.act(wanted)
+            if not np.isfinite(torque.dot(torque)):
+                self._outcome = "diverged"
+                break
+            if step % self._stride == 0:
+                if episode.diverged:
+                    self._outcome = "diverged"
+                    break
+                assert command is not None
+                log.add(torque, command, drive.energies)
+            episode.advance(torque)
+        self._command, self._wanted, self._step = command, wanted, last
+        return self
+
+    def watch(self, people: Sequence[Person]) -> None:
+        """Record where people who do nothing yet would act, for forks in which they do."""
+        self._watched = tuple(people)
+        self._log.watch([person.bind(self._episode.simulation) for person in people])
+
+    def fork(self, which: int) -> "Rollout":
+        """The same roll-out, in which a person who was watched acts from now on.
+
+        Bit for bit what it would be if the person had been there from the start and done nothing,
+        as long as controllers hold all that they know in themselves.
+
+        Parameters
+        ----------
+        which : int
+            Of the people who are watched.
+        """
+        other = copy.copy(self)
+        # What never changes is shared.
+        shared = {id(part): part for part in (self._world, self._world.robot, self._world.model)}
+        other._controller, other._drive, other._command = copy.deepcopy(
+            (self._controller, self._drive, self._command), shared
+        )
+        other._episode = self._episode.copy()
+        person = self._watched[which].bind(other._episode.simulation)
+        other._episode.people.append(person)
+        other._log = self._log.fork(other._episode, which, person)
+        return other
+
+    def trial(self) -> Trial:
+        """What was recorded."""
+        episode, log, outcome = self._episode, self._log, self._outcome
+        if not log:
+            raise ArgumentError(
+                "the controller asked for torques that are not finite from the start: "
+                f"{self._wanted}"
+            )
+        if episode.contacts and outcome == "done":
+            outcome = "contact"
+        return Trial(log.arrays(), outcome, log.channels, touched=episode.touched)

@@ -33,7 +33,7 @@ from ..test_archive import VALUES
 
 TOY = f"{Path(__file__).parents[1] / 'study' / 'toy.py'}:study"
 MARK = "TPSIM_TORTURE"
-PROGRESS = re.compile(r"tpsim: (teaching|measuring|filming|\d+ trials)")
+PROGRESS = re.compile(r"tpsim: (teaching|measuring|filming|reporting|\d+ trials)")
 CODES = {"SIGINT": 130, "SIGTERM": 143, "SIGHUP": 129, "SIGKILL": -signal.SIGKILL}
 
 
@@ -41,6 +41,7 @@ FORKS = """
 import json, os, signal, sys
 import scipy.interpolate, scipy.signal
 import tpsim.lab, tpsim.cli.parse, tpsim.data.commands, tpsim.study.teaching, tpsim.study.trying
+import tpsim.campaign.run
 from tpsim.cli.main import main
 for line in sys.stdin:
     order = json.loads(line)
@@ -211,7 +212,7 @@ def contents(folder):
             load_trial(file)
         elif file.name == "run.json":
             load_run(file.parent)
-        if file.suffix in (".npz", ".csv"):
+        if file.suffix in (".npz", ".csv", ".parquet"):
             found[str(file.relative_to(folder))] = file.read_bytes()
     return found
 

@@ -29,6 +29,7 @@ def lines(taught, tmp_path_factory):
     """Command lines by name; OUT is where they write."""
     toy = str(Path(__file__).parents[1] / "study" / "toy.py") + ":study"
     few = ["--situations", "3", "--pushes", "1", "--no-video"]
+    pushes = ["--trials", "52", "--push-duration", "0.1", "--keep", "everything"]
     table = tmp_path_factory.mktemp("table") / "table.csv"
     rows = [f"{0.01 * i},{0.1 * i},{i % 7}" for i in range(60_000)]
     table.write_text("time,x,y\n" + "\n".join(rows) + "\n")
@@ -36,6 +37,8 @@ def lines(taught, tmp_path_factory):
     return {
         "run": ["run", toy, *few, "--workers", "2", "--folder", "OUT"],
         "run alone": ["run", toy, *few, "--workers", "1", "--folder", "OUT"],
+        "campaign": ["campaign", toy, *pushes, "--workers", "2", "--out", "OUT"],
+        "campaign alone": ["campaign", toy, *pushes, "--workers", "1", "--out", "OUT"],
         "teach": ["teach", toy, "--folder", "OUT"],
         "learn": ["learn", toy, *given, "--folder", "OUT"],
         "reproduce": ["reproduce", toy, *given, "--folder", "OUT"],
@@ -53,12 +56,12 @@ def undisturbed(lines, tmp_path_factory):
         """Contents of one in one process; duration of one that is started in the same way."""
         if (name, forks) not in known:
             folder = tmp_path_factory.mktemp("undisturbed")
-            serial = lines["run alone" if name == "run" else name]
+            serial = lines.get(f"{name} alone", lines[name])
             began = time.monotonic()
             command = torture.Command(serial, folder, forks)
             assert command.wait() == 0, command.lines
             # With workers it takes longer: they start afresh.
-            took = (time.monotonic() - began) * (2 if name == "run" else 1)
+            took = (time.monotonic() - began) * (2 if f"{name} alone" in lines else 1)
             known[name, forks] = torture.contents(folder / "OUT"), took
             assert known[name, forks][0]
         return known[name, forks]
@@ -117,7 +120,9 @@ def again(torture, lines, undisturbed, name, folder, forks):
     assert not list(folder.rglob(".*.part*"))
 
 
-@pytest.mark.parametrize(("name", "how"), [("run", "worker"), ("teach", "SIGKILL")])
+@pytest.mark.parametrize(
+    ("name", "how"), [("run", "worker"), ("teach", "SIGKILL"), ("campaign", "SIGTERM")]
+)
 def test_a_sample(torture, lines, undisturbed, rng, tmp_path, forks, name, how):
     # A signal that comes when all is done shows nothing.
     given = torture, lines, undisturbed, name, how, rng, tmp_path, forks
@@ -130,8 +135,8 @@ def test_a_sample(torture, lines, undisturbed, rng, tmp_path, forks, name, how):
 def test_signals_at_random_moments(torture, lines, undisturbed, rng, tmp_path, forks, capsys):
     names, reached, done = list(lines), {}, 0
     while done < KILLS:
-        name = rng.choice([*names, "run"])
-        how = rng.choice([*HOW, "worker"] if name == "run" else HOW)
+        name = rng.choice([*names, "run", "campaign"])
+        how = rng.choice([*HOW, "worker"] if f"{name} alone" in lines else HOW)
         # One in so many starts afresh: while Python imports, signals are heard as well.
         given = None if rng.random() < 1 / AFRESH else forks
         if strike(torture, lines, undisturbed, name, how, rng, tmp_path, given):

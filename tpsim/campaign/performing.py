@@ -9,14 +9,14 @@ from typing import TypeVar
 
 from tpsim.campaign import lessons
 from tpsim.campaign.design import Asked, asked, lead_of, push_of, trials_of
-from tpsim.campaign.figures import UNPUSHED, asked_row, failed_row, figures_row
+from tpsim.campaign.figures import UNPUSHED, asked_row, digest, failed_row, figures_row
 from tpsim.campaign.folder import Folder, check_versions
 from tpsim.campaign.people import Leads, Pushes
 from tpsim.campaign.signals import write_signals
 from tpsim.campaign.table import FAILED, Row, write_rows
 from tpsim.errors import RecordingError
 from tpsim.study.condition import Condition
-from tpsim.study.executor import perform_condition
+from tpsim.study.executor import perform_condition, perform_pushed
 from tpsim.study.files.trial_file import save_trial
 from tpsim.study.leading import led_off
 from tpsim.study.record import Record, Records
@@ -83,6 +83,8 @@ class Bench:
         self._lessons: OrderedDict[object, tuple[Study, Models, str]] = OrderedDict()
         self._twins: OrderedDict[object, Record] = OrderedDict()
         self._situations: OrderedDict[object, Situation] = OrderedDict()
+        self._ready: dict[int, Trial] = {}
+        self._shares: dict[object, bool] = {}
         self._lock = Lock()
 
     def perform(self, job: Job) -> Done:
@@ -127,6 +129,7 @@ class Bench:
         folder, keep = self._folder, self._folder.campaign.keep
         numbers = trials_of(folder.campaign, job.block) if job.trials is None else job.trials
         rows, signals = [], []
+        self._perform_together(numbers)
         for number in numbers:
             row, trial = self.row(number)
             rows.append(row)
@@ -213,8 +216,42 @@ class Bench:
         return _kept(self._twins, found.twin, _TWINS, performed)
 
     def _performed(self, found: Asked, condition: Condition) -> Trial:
+        if (ready := self._ready.pop(found.trial, None)) is not None:
+            return ready
         study, models = self._lesson(found)
         return perform_condition(study, models, condition)
+
+    def _perform_together(self, numbers: Sequence[int]) -> None:
+        """Perform trials that share their twin up to their pushes, so that this is done once."""
+        self._ready.clear()
+        groups: dict[object, list[Asked]] = {}
+        if isinstance(self._folder.campaign.people, Pushes):
+            for found in (asked(self._folder.campaign, number) for number in numbers):
+                groups.setdefault(found.twin, []).append(found)
+        for twin, group in groups.items():
+            kind = (group[0].lesson.number, group[0].controller, group[0].plant)
+            if twin in self._twins or len(group) < 2 or self._shares.get(kind) is False:
+                continue
+            try:
+                self._share(twin, group, kind)
+            except MemoryError:
+                raise
+            except Exception:  # alone, each says what is wrong with it
+                self._shares[kind] = False
+
+    def _share(self, twin: object, group: Sequence[Asked], kind: object) -> None:
+        (study, models), first = self._lesson(group[0]), group[0]
+        conditions = [self._condition(found) for found in group]
+        rest = replace(conditions[0], label=UNPUSHED, push=())
+        undisturbed, *trials = perform_pushed(study, models, rest, conditions)
+        if kind not in self._shares:
+            # A controller may hold what cannot be copied: bits tell.
+            alone = perform_condition(study, models, conditions[0])
+            self._shares[kind] = digest(alone) == digest(trials[0])
+        if self._shares[kind]:
+            record = Records(study.task, models).add(rest, undisturbed)
+            _kept(self._twins, first.twin, _TWINS, lambda: record)
+            self._ready |= {found.trial: t for found, t in zip(group, trials, strict=True)}
 
 
 def bench(given: tuple[Folder, Study]) -> Callable[[Job], Done]:

@@ -24,7 +24,7 @@ from tpsim.extras import extra
 from tpsim.study.recording import Answer, say
 from tpsim.study.reference import load_study
 from tpsim.study.study import Study
-from tpsim.study.workers import Death, Workers, processes
+from tpsim.study.workers import Death, Workers
 from tpsim.tasks import STUDIES
 
 Executors = Callable[[int], Executor]
@@ -96,7 +96,13 @@ def campaign(
     lessons.prepare(opened, base, needed, workers)
     taught = time.monotonic()
     count = 1 if executor is None and (workers == 1 or len(todo) < 2) else workers
-    done = _performed(opened, base, todo, count, executor or processes, progress)
+    try:
+        done = _performed(opened, base, todo, count, executor, progress)
+    except BaseException as error:
+        opened.sweep()
+        if isinstance(error, KeyboardInterrupt):
+            error.add_note(f"finished trials are kept in {opened.path}, the same command goes on")
+        raise
     wall = time.monotonic() - taught
     return {
         **standing(opened),
@@ -163,7 +169,7 @@ def _performed(
     study: Study,
     todo: Sequence[int],
     workers: int,
-    executor: Executors,
+    executor: Executors | None,
     progress: bool,
 ) -> list[Done]:
     """Perform blocks; what ends its worker twice is tried trial by trial."""

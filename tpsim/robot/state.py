@@ -55,6 +55,10 @@ class State:
         self._jacobians: dict[str, np.ndarray] = {}
         self.seen: dict[int, tuple[View, Seen]] = {}
 
+    def __deepcopy__(self, memo: dict) -> "State":
+        """Return itself: what never changes need not be copied."""
+        return self
+
     @property
     def bias(self) -> np.ndarray:
         """Coriolis, centrifugal and gravity torque (n,) [Nm]."""

@@ -14,7 +14,8 @@ from tpsim.study.files.checked import plain
 from tpsim.study.study import Study
 from tpsim.study.workers import Death, Workers
 from tpsim.task.task import Models
-from tpsim.task.verbs import perform
+from tpsim.task.verbs import perform, perform_beside
+from tpsim.world.impedance import Controller
 from tpsim.world.teaching import demonstrate
 from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
@@ -40,30 +41,65 @@ def perform_condition(study: Study, models: Models, condition: Condition) -> Tri
     ArgumentError
         If the study has no such controller, or cannot show behaviours.
     """
-    if condition.shown is None:
-        trial = _perform(study, models, condition)
-    else:
-        trial = _show(study, condition)
+    if condition.shown is not None:
+        return _told(study, condition, _show(study, condition))
+    trial = perform(
+        study.task,
+        models,
+        condition.situation,
+        controller=_controller(study, models, condition),
+        people=condition.people,
+        duration=condition.duration,
+        plant=condition.plant,
+    )
+    return _told(study, condition, trial)
+
+
+@one_thread()
+def perform_pushed(
+    study: Study, models: Models, rest: Condition, pushed: Sequence[Condition]
+) -> list[Trial]:
+    """Perform an undisturbed condition, and the same under pushes, from what they share.
+
+    Parameters
+    ----------
+    study : Study
+    models : mapping of str to TPGMM
+    rest : Condition
+    pushed : sequence of Condition
+        Each with one push, and else as ``rest``.
+
+    Returns
+    -------
+    list of Trial
+        The undisturbed one first; see :func:`~tpsim.task.verbs.perform_beside`.
+    """
+    trials = perform_beside(
+        study.task,
+        models,
+        rest.situation,
+        [condition.push[0] for condition in pushed],
+        controller=_controller(study, models, rest),
+        duration=rest.duration,
+        plant=rest.plant,
+    )
+    return [_told(study, c, trial) for c, trial in zip([rest, *pushed], trials, strict=True)]
+
+
+def _told(study: Study, condition: Condition, trial: Trial) -> Trial:
+    """A trial that says how to perform it again."""
     about = plain(Performed(condition, TaskFile.of(study)))
     assert isinstance(about, dict)
     return trial.with_about(**about)
 
 
-def _perform(study: Study, models: Models, condition: Condition) -> Trial:
+def _controller(study: Study, models: Models, condition: Condition) -> Controller:
     found, task = study.performers, study.task
     if condition.controller not in found:
         raise ArgumentError(
             f"the study has no controller '{condition.controller}'; it has {', '.join(found)}"
         )
-    return perform(
-        task,
-        models,
-        condition.situation,
-        controller=found[condition.controller](task.stage, models, condition.situation),
-        people=condition.people,
-        duration=condition.duration,
-        plant=condition.plant,
-    )
+    return found[condition.controller](task.stage, models, condition.situation)
 
 
 def _show(study: Study, condition: Condition) -> Trial:

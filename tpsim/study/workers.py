@@ -80,7 +80,7 @@ class Workers(Generic[A, B]):
     Parameters
     ----------
     count : int
-        Processes; with 1 all is done in this one.
+        Processes; with 1 all is done in this one, unless an executor is given.
     make : callable
         ``make(given)`` makes the function, once in every worker.
     given : object
@@ -89,7 +89,7 @@ class Workers(Generic[A, B]):
         Whether one worker, too, is a process of its own, so that this one has its hands free.
     executor : callable, optional
         Makes an executor of so many workers, and a new one when it broke; :func:`processes` by
-        default.
+        default, where there are several.
     """
 
     def __init__(
@@ -97,16 +97,17 @@ class Workers(Generic[A, B]):
         count: int,
         make: Callable[[G], Callable[[A], B]],
         given: G,
-        executor: Callable[[int], Executor] = processes,
+        executor: Callable[[int], Executor] | None = None,
         *,
         apart: bool = False,
     ):
-        self._count, self._new, self._apart = count, executor, apart or count > 1
+        self._count, self._new = count, executor or processes
+        self._here = count == 1 and executor is None and not apart
         self._make, self._given = make, given
         self._executor: Executor | None = None
 
     def __enter__(self) -> "Workers[A, B]":
-        if self._apart:
+        if not self._here:
             self._packed = _by_value((self._make, self._given))
             self._executor = self._new(self._count)
         else:
@@ -121,7 +122,7 @@ class Workers(Generic[A, B]):
 
         What the function raises is raised here.
         """
-        if not self._apart:
+        if self._here:
             yield from map(self._function, arguments)
             return
         waiting = deque(range(len(arguments)))

@@ -14,8 +14,9 @@ from tpsim.task.relevance import with_relevance
 from tpsim.task.task import Models, Situation, Task, controller_of, demonstration
 from tpsim.world.episode import Person
 from tpsim.world.impedance import Controller
+from tpsim.world.people.push import Push
 from tpsim.world.plant import NOMINAL, Plant
-from tpsim.world.rollout import rollout
+from tpsim.world.rollout import Rollout, rollout
 from tpsim.world.tank import Tank
 from tpsim.world.teaching import Shown
 from tpsim.world.teaching import teach as teach_lessons
@@ -115,6 +116,48 @@ def learn(task: Task, taught: Taught) -> dict[str, TPGMM]:
         models[name] = behaviour.fit(seen)
     views = {name: behaviour.views for name, behaviour in task.behaviours().items()}
     return with_relevance(task.stage.robot, models, views, taught)
+
+
+def perform_beside(
+    task: Task,
+    models: Models,
+    situation: Situation,
+    pushes: Sequence[Push],
+    *,
+    controller: Controller | None = None,
+    duration: float | None = None,
+    plant: Plant = NOMINAL,
+) -> list[Trial]:
+    """Perform a task once undisturbed, and once under each of some pushes.
+
+    What comes before a push is performed once for all. The bits are those of :func:`perform`, as
+    long as the controller holds all that it knows in itself.
+
+    Returns
+    -------
+    list of Trial
+        The undisturbed one first.
+    """
+    if controller is None:
+        controller = controller_of(task, models, situation)
+    h = task.stage.timestep
+    end = max(1, round((task.duration if duration is None else duration) / h))
+    going = Rollout(
+        task.stage.simulation(plant),
+        controller,
+        situation.start,
+        sites=task.sites(),
+        objects=situation.objects,
+        plant=plant,
+    )
+    going.watch(pushes)
+    found: dict[int, Trial] = {}
+    for which in sorted(range(len(pushes)), key=lambda k: pushes[k].start):
+        # At this step the push does not act yet.
+        going.run(min(int(pushes[which].start / h + 1e-9), end))
+        found[which] = going.fork(which).run(end).trial()
+    trials = [going.run(end).trial(), *(found[which] for which in range(len(pushes)))]
+    return [trial.with_about(task.outcome(trial)) for trial in trials]
 
 
 @one_thread()

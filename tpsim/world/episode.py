@@ -1,11 +1,13 @@
 """One trial as it goes: clock, objects, sensors, motors, people, physics, step by step."""
 
+import copy
 from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
 
 from tpsim.robot.objects import Objects
+from tpsim.errors import SimulationError
 from tpsim.robot.state import State
 from tpsim.world.object_path import MovingObjects, ObjectPath
 from tpsim.world.plant import NOMINAL, Delay, Plant, Sensors
@@ -92,6 +94,16 @@ class Episode:
         self.objects: Moves = MovingObjects(objects, simulation)
         period = plant.control_period
         self.control_steps = 1 if period is None else max(1, round(period / simulation.timestep))
+
+    def copy(self) -> "Episode":
+        """The same trial at the same moment, with a simulation of its own and nobody in it."""
+        other, simulation = copy.copy(self), self.simulation.copy()
+        other.simulation, other.people = simulation, []
+        if not isinstance(self.objects, MovingObjects):
+            raise SimulationError("objects that somebody moves by hand are in one trial only")
+        other.objects = self.objects.moved_to(simulation)
+        other._sensors, other._delay = copy.deepcopy((self._sensors, self._delay))
+        return other
 
     def reset(self, start: np.ndarray) -> None:
         """Put the robot at rest at a start posture (n,) [rad], and the clock at zero."""

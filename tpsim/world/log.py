@@ -1,16 +1,20 @@
 """What a roll-out records: samples kept as they come, made into signals all at once."""
 
+import copy
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from tpsim import rotation
 from tpsim.robot.state import State
-from tpsim.world.episode import Episode
+from tpsim.world.episode import BoundPerson, Episode
 from tpsim.world.impedance import Impedance, hand_stiffness
 from tpsim.world.tank import Energies
 from tpsim.world.trial import Channels
+
+_ALONE = ("saturated_steps", "contact_steps", "torque")
+"""Samples that no person has a part in."""
 
 
 class Log:
@@ -31,6 +35,7 @@ class Log:
         self._states: list[State] = []
         self._energies: list[Energies] = []
         self._samples: dict[object, list[np.ndarray | int]] = defaultdict(list)
+        self._watched: Sequence[BoundPerson] = ()
 
     def __len__(self) -> int:
         """Return the number of samples."""
@@ -48,6 +53,8 @@ class Log:
                 # Who comes later was not there before.
                 row.extend([np.zeros_like(now)] * (len(self._states) - len(row)))
                 row.append(now)
+        for person in self._watched:
+            keep[person, "point"].append(person.point)
         state = episode.truth
         # Now, while its kinematics are computed; the state remembers them.
         for site in self._sites.values():
@@ -57,6 +64,24 @@ class Log:
         self._states.append(state)
         self._energies.append(energies)
         self._commands.append(command if isinstance(command, Impedance) else None)
+
+    def watch(self, people: Sequence[BoundPerson]) -> None:
+        """Keep where people would act who do nothing yet."""
+        self._watched = people
+
+    def fork(self, episode: Episode, which: int, person: BoundPerson) -> "Log":
+        """The same samples, for an episode in which one who was watched acts from now on."""
+        other, watched = copy.copy(self), self._watched[which]
+        other._episode, other._watched = episode, ()
+        for name in ("_commands", "_states", "_energies"):
+            setattr(other, name, list(getattr(self, name)))
+        alone: dict[object, list] = {
+            name: list(kept) for name, kept in self._samples.items() if name in _ALONE
+        }
+        other._samples = defaultdict(list, alone)
+        other._samples[person, "point"] = list(self._samples[watched, "point"])
+        other._samples[person, "wrench"] = [np.zeros(6)] * len(self)
+        return other
 
     @property
     def channels(self) -> Channels:

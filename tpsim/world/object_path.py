@@ -1,5 +1,6 @@
 """Objects that move by themselves: mocap bodies along scripted paths."""
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -146,6 +147,12 @@ class MovingObjects:
         self._mocap = data.mocap_pos, data.mocap_quat
         self._rows = simulation.objects
         self.now = self._at(0)
+
+    def moved_to(self, simulation: Simulation) -> "MovingObjects":
+        """The same objects, as they are now, in another simulation of the same scene."""
+        other = copy.copy(self)
+        other._mocap = simulation.data.mocap_pos, simulation.data.mocap_quat
+        return other
 
     def _at(self, step: int) -> Objects:
         twists = None if self._twists is None else self._twists[step]

@@ -1,5 +1,6 @@
 """Roll-outs: a controller drives the robot at 1 kHz, people push and lead it, all is recorded."""
 
+import copy
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -69,7 +70,6 @@ def rollout(
     ArgumentError, SimulationError
         A duration that is not positive, a start posture or an object that does not fit.
     """
-    steps = max(1, round(duration / world.timestep))
     going = Rollout(
         world.simulation(plant),
         controller,
@@ -80,14 +80,11 @@ def rollout(
         plant=plant,
         tank=tank,
     )
-    for _ in range(steps):
-        if not going.step():
-            break
-    return going.trial()
+    return going.run(max(1, round(duration / world.timestep))).trial()
 
 
 class Rollout:
-    """A roll-out as it goes, one time step after another: whoever drives the clock.
+    """A roll-out as it goes, one time step after another: it may be stopped, forked, gone on with.
 
     Parameters
     ----------
@@ -135,9 +132,12 @@ class Rollout:
         self.state = robot.at(begin)
         self.command: Impedance | np.ndarray | None = None
         self._wanted = np.zeros(robot.n)
+        self._watched: tuple[Person, ...] = ()
 
     def step(self) -> bool:
         """Let one time step pass; False, and nothing passes, where the robot diverged."""
+        if self._outcome == "diverged":
+            return False
         episode = self.episode
         self.state = state = episode.sense()
         if self.steps % self._hold == 0:
@@ -157,6 +157,40 @@ class Rollout:
         episode.advance(torque)
         self.steps += 1
         return True
+
+    def run(self, until: int) -> "Rollout":
+        """Go on until so many time steps have passed, or the robot diverged."""
+        while self.steps < until and self.step():
+            pass
+        return self
+
+    def watch(self, people: Sequence[Person]) -> None:
+        """Record where people who do nothing yet would act, for forks in which they do."""
+        self._watched = tuple(people)
+        self._log.watch([person.bind(self.episode.simulation) for person in people])
+
+    def fork(self, which: int) -> "Rollout":
+        """The same roll-out, in which a person who was watched acts from now on.
+
+        Bit for bit what it would be if the person had been there from the start and done nothing,
+        as long as controllers hold all that they know in themselves.
+
+        Parameters
+        ----------
+        which : int
+            Of the people who are watched.
+        """
+        other, simulation = copy.copy(self), self.episode.simulation
+        # What never changes is shared.
+        shared = {id(part): part for part in (simulation.robot, simulation.model)}
+        other.controller, other.drive, other.command = copy.deepcopy(
+            (self.controller, self.drive, self.command), shared
+        )
+        other.episode = self.episode.copy()
+        person = self._watched[which].bind(other.episode.simulation)
+        other.episode.people.append(person)
+        other._log = self._log.fork(other.episode, which, person)
+        return other
 
     def trial(self) -> Trial:
         """What was recorded up to now.

@@ -48,6 +48,12 @@ class Simulation:
         self._wrenches, self._centres = data.xfrc_applied, data.xipos
         self.timestep = float(model.opt.timestep)
 
+    def copy(self) -> "Simulation":
+        """Another simulation in the same state."""
+        other = Simulation(self.model, self.robot)
+        mujoco.mj_copyData(other.data, self.model, self.data)
+        return other
+
     def reset(self, q: np.ndarray) -> None:
         """Put the robot at rest at q (n,) and the clock at zero.
 

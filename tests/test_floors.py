@@ -22,7 +22,8 @@ FLOORS = (
     "task",
     "study",
     ("tasks", "deploy"),
-    ("lab", "section8", "data", "bench", "play", "gallery"),
+    ("lab", "section8", "data", "bench", "gallery"),
+    "play",
     "cli",
 )
 SIMULATION = {"mujoco", "pinocchio", "mink", "dm_control", "dm_env", "gymnasium"}

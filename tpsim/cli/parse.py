@@ -23,6 +23,7 @@ from tpsim.cli.options import (
     known,
     nearest,
 )
+from tpsim.cli.play import Watch, is_watched
 from tpsim.cli.recordings import LearnFile
 from tpsim.cli.summaries import fitted
 from tpsim.errors import ArgumentError
@@ -85,6 +86,8 @@ def parse(arguments: Sequence[str]) -> Call:
     line, command = shlex.join(["tpsim", *arguments]), COMMANDS[name]
     if name == "learn" and _names_a_recording(rest):
         command = LearnFile
+    if name == "play" and is_watched(rest):
+        command = Watch
     if issubclass(command, StudyCommand):
         return _about_a_study(name, command, rest, line)
     options = _read(command, name, rest)

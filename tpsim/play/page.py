@@ -72,6 +72,10 @@ class Page:
         """Say what was learned."""
         self._learning.show(learned)
 
+    def is_alive(self) -> bool:
+        """Whether time passes."""
+        return self.clock.is_alive()
+
     def close(self) -> None:
         """Stop drawing."""
         self._ended.set()
@@ -171,5 +175,6 @@ class Page:
             what = "**Weightless.** Drag the hands; drag objects to where you want them."
         else:
             what = f"**{session.controller.capitalize()}** controller. Drag any part to push it."
-        pace = "paused" if not session.speed else f"{self.clock.pace.factor * session.speed:.2f}× time"
+        factor = self.clock.pace.factor * session.speed
+        pace = f"{factor:.2f}× time" if session.speed else "paused"
         return f"{what}  \nsituation {session.index} · {session.time:.1f} s · {pace}"

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tpsim.errors import ArgumentError
 from tpsim.examples import u_demonstrations, u_frames
@@ -92,7 +93,7 @@ class Plane:
                 self._learned[name] = METHODS[name](self.demonstrations)
         self.methods = tuple(methods)
 
-    def move(self, index: int, position: Sequence[float], angle: float) -> None:
+    def move(self, index: int, position: ArrayLike, angle: float) -> None:
         """Put one of the two objects somewhere else.
 
         Parameters

@@ -111,8 +111,12 @@ class RecordedPage:
             self.trial = self._run.load(int(self._trials.value.partition(":")[0]))
             self._time.max = max(float(self.trial.time[-1]), 0.01)
             self._said.content = f"outcome: **{self.trial.outcome}**"
-        self._time.value = 0.0
+        self._at(0.0)
         self._draw()
+
+    def _at(self, time: float) -> None:
+        """Put the timeline somewhere."""
+        self._time.value = time  # type: ignore[misc]  # mypy loses the setter of a generic base
 
     def _draw(self) -> None:
         with self._lock:
@@ -127,5 +131,5 @@ class RecordedPage:
             if self._plays.value:
                 later = float(self._time.value) + float(self._speed.value) * passed
                 end = float(self._time.max)
-                self._time.value = round(later, 3) if later <= end else 0.0
+                self._at(round(later, 3) if later <= end else 0.0)
                 self._draw()

@@ -63,7 +63,7 @@ def page(study, taught, tmp_path_factory):
 
 
 def open_tab(browser, page):
-    tab = browser.new_page(viewport={"width": 900, "height": 480})
+    tab = browser.new_page(viewport={"width": 1100, "height": 560})
     tab.set_default_timeout(1000 * PATIENCE)
     before = len(page.server.get_clients())
     tab.goto(f"http://127.0.0.1:{page.server.get_port()}")
@@ -115,7 +115,6 @@ def test_teach_learn_perform_and_push_in_the_browser(browser, page, tmp_path):
             wait_for(lambda: session.mode == "teach", "weightless arms")
         tab.get_by_text("Start a demonstration").click()
         wait_for(lambda: session.armed, "the demonstration to wait for a hand")
-        grip = tip(page) - 0.04 * (tip(page) / np.linalg.norm(tip(page)))
         grip = 0.85 * tip(page) + 0.15 * session.going.episode.simulation.data.body("lower").xpos
         before = tip(page)
         drag(tab, page, grip, grip + np.array([-0.06, 0.08, 0.0]), steps=20, release=False)

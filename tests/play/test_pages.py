@@ -61,3 +61,23 @@ def test_a_recorded_moment_looks_as_it_did(study, models):
     tip = picture.xpos[body] + R @ [0.3, 0, 0]
     np.testing.assert_allclose(tip, trial["hand_position"][25], atol=1e-12)
     np.testing.assert_array_equal(picture.mocap[0][0], trial["mark_position"][25])
+
+
+def test_ellipsoids_are_where_their_frames_are(study, models):
+    """Of a model seen from the mark: centre and axes are those of the Gaussian, moved along."""
+    from tpsim.play.learned import ellipsoids, weights
+    from tpsim.pose import Pose
+    from tpsim.robot.objects import Objects
+
+    robot, gaussian = study.task.stage.robot, models["bring"].frames[0]
+    R = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    state = robot.at(robot.home, None, Objects.of({"mark": Pose(R, np.array([0.3, 0.1, 0.0]))}))
+    (shape,) = ellipsoids(study.task, models, state)["bring: mark"]
+    np.testing.assert_allclose(
+        shape.centre, R @ gaussian.mean[0] + np.array([0.3, 0.1, 0]), atol=1e-12
+    )
+    covariance = (shape.axes * shape.size**2) @ shape.axes.T
+    np.testing.assert_allclose(covariance, R @ gaussian.covariance[0] @ R.T, atol=1e-5)
+    shares = weights(study.task, models)
+    assert shares.keys() == {"bring: mark", "bring: posture"}
+    assert all(((s >= 0) & (s <= 1)).all() for s in shares.values())

@@ -23,7 +23,7 @@ FLAGS = [
     "--disable-sync",
     "--no-first-run",
 ]
-PATIENCE = 60.0
+PATIENCE = 120.0
 
 
 def wait_for(condition, what):

@@ -26,6 +26,7 @@ FLOORS = (
     ("study",),
     ("tasks", "deploy"),
     ("lab", "section8", "data", "bench", "plot", "gallery"),
+    ("play",),
     ("cli",),
 )
 WHAT = {
@@ -48,6 +49,7 @@ WHAT = {
     "bench": "speeds",
     "plot": "figures",
     "gallery": "the demos",
+    "play": "teach, push and watch in the browser",
     "cli": "the command line",
 }
 

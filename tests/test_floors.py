@@ -23,7 +23,8 @@ FLOORS = (
     "study",
     ("tasks", "deploy"),
     "campaign",
-    ("lab", "section8", "data", "bench", "play", "gallery"),
+    ("lab", "section8", "data", "bench", "gallery"),
+    "play",
     "cli",
 )
 SIMULATION = {"mujoco", "pinocchio", "mink", "dm_control", "dm_env", "gymnasium"}

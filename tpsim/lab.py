@@ -109,6 +109,7 @@ from tpsim.world.people.care import Care as Care
 from tpsim.world.people.demonstrator import FIRM as FIRM
 from tpsim.world.people.demonstrator import HUMAN as HUMAN
 from tpsim.world.people.demonstrator import Demonstrator as Demonstrator
+from tpsim.world.people.drag import Drag as Drag
 from tpsim.world.people.guide import Grip as Grip
 from tpsim.world.people.guide import Guide as Guide
 from tpsim.world.people.posture_script import hand_path as hand_path

@@ -38,7 +38,8 @@ FURTHER = {
 }
 """What public functions return, beside what the rooms name."""
 
-KINDS = ("Beneath", "CartesianImpedance", "ComputedTorque", "Direction", "FiniteHorizon",
+KINDS = ("Beneath", "CartesianImpedance", "ComputedTorque", "Direction", "Drag",
+         "FiniteHorizon",
          "FixedImpedance", "Guide", "Handover", "Joints", "Lead", "MinimalIntervention", "Objects",
          "Offset", "OnPath", "OperationalSpace", "Part", "Pursuit", "Push", "RenewedImpedance",
          "Spare", "TimedIntervention", "View", "Weightless")  # fmt: skip

@@ -24,6 +24,7 @@ from tpsim.cli.options import (
     known,
     nearest,
 )
+from tpsim.cli.play import Watch, is_watched
 from tpsim.cli.recordings import LearnFile
 from tpsim.cli.summaries import fitted
 from tpsim.errors import ArgumentError
@@ -90,6 +91,8 @@ def parse(arguments: Sequence[str]) -> Call:
         name, rest, command = "campaign compare", rest[1:], CampaignCompare
     elif name == "campaign" and rest and _names_a_campaign(rest[0]):
         command = CampaignFile
+    if name == "play" and is_watched(rest):
+        command = Watch
     if issubclass(command, StudyCommand):
         return _about_a_study(name, command, rest, line)
     options = _read(command, name, rest)

@@ -72,6 +72,10 @@ class Page:
         """Say what was learned."""
         self._learning.show(learned)
 
+    def is_alive(self) -> bool:
+        """Whether time passes."""
+        return self.clock.is_alive()
+
     def close(self) -> None:
         """Stop drawing."""
         self._ended.set()

@@ -2,9 +2,10 @@
 
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
 
 from tpsim.errors import RecordingError
 from tpsim.play.clock import RealTime
@@ -13,9 +14,13 @@ from tpsim.play.page import Page
 from tpsim.play.server import Address, open_server, warn
 from tpsim.play.session import Session
 from tpsim.play.shelf import Shelf
+from tpsim.study.files.run import load_run
 from tpsim.study.study import Study
 from tpsim.study.teaching import Source, demonstrations_of
 from tpsim.task.verbs import Taught
+
+if TYPE_CHECKING:
+    import viser
 
 
 @contextmanager
@@ -68,13 +73,7 @@ def play(study: Study, address: Address, **options: object) -> dict[str, object]
     """Open the playground and wait for Ctrl-C; say where things were kept."""
     warn(address)
     with playground(study, address, **options) as page:  # type: ignore[arg-type]
-        url = address.url(page.server.get_port())
-        print(f"tpsim: open {url} in a browser; Ctrl-C ends it", file=sys.stderr, flush=True)
-        try:
-            while page.clock.is_alive():
-                time.sleep(0.2)
-        except KeyboardInterrupt:
-            pass
+        _wait(address, page.server, page)
         kept, pace = page.shelf.folder, page.clock.pace
         answer: dict[str, object] = {
             "task": study.task.name,
@@ -85,6 +84,58 @@ def play(study: Study, address: Address, **options: object) -> dict[str, object]
     if kept.is_dir():
         answer["paths"] = {"kept": str(kept)}
     return answer
+
+
+def watch(folder: Path, address: Address) -> dict[str, object]:
+    """Show a recorded run until Ctrl-C."""
+    from tpsim.play.recorded import RecordedPage
+
+    run = load_run(folder)
+    return _shown(address, folder.name, lambda server: RecordedPage(server, run))
+
+
+def watch_plane(address: Address) -> dict[str, object]:
+    """Show the planar example until Ctrl-C."""
+    from tpsim.play.plane import Plane
+    from tpsim.play.plane_page import PlanePage
+
+    return _shown(address, "plane", lambda server: PlanePage(server, Plane()))
+
+
+class Shown(Protocol):
+    """A page that draws by itself."""
+
+    def is_alive(self) -> bool:
+        """Whether it still draws."""
+        ...
+
+    def close(self) -> None:
+        """Stop drawing."""
+        ...
+
+
+def _shown(
+    address: Address, name: str, make: Callable[["viser.ViserServer"], Shown]
+) -> dict[str, object]:
+    warn(address)
+    with ExitStack() as stack:
+        server = open_server(address, f"tpsim · {name}")
+        stack.callback(server.stop)
+        page = make(server)
+        stack.callback(page.close)
+        _wait(address, server, page)
+    return {"watched": name}
+
+
+def _wait(address: Address, server: "viser.ViserServer", page: Shown) -> None:
+    """Say where the page is, and wait for Ctrl-C."""
+    url = address.url(server.get_port())
+    print(f"tpsim: open {url} in a browser; Ctrl-C ends it", file=sys.stderr, flush=True)
+    try:
+        while page.is_alive():
+            time.sleep(0.2)
+    except KeyboardInterrupt:
+        pass
 
 
 def _given(study: Study, source: Source | None) -> Taught:

@@ -1,6 +1,6 @@
 """The scene in the page: robot and objects, hands that pull, and what is drawn over them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, field
 
@@ -12,6 +12,7 @@ from mjviser.conversions import merge_geoms
 
 from tpsim import rotation
 from tpsim.film.camera import HERO, cameras
+from tpsim.play.ellipsoids import Ellipsoid, Ellipsoids
 from tpsim.play.session import Session
 from tpsim.world.impedance import Impedance, hand_stiffness
 from tpsim.world.world import World
@@ -26,6 +27,9 @@ LEAST_FORCE = 0.2
 
 AXIS, OF = 0.09, 500.0
 """A semi-axis of AXIS m is OF N/m; axes grow with the root."""
+
+ROOM = 1.25
+"""Distance of the camera, over that of films: panels cover a part of the page."""
 
 SHOWN = 2
 """Group of geoms that are looked at; those that collide are in others."""
@@ -121,65 +125,10 @@ class Stage:
                 self._ghost.draw(picture.beside)
 
     @staticmethod
-    def _axes(centre: np.ndarray, K: np.ndarray) -> "Ellipsoid":
+    def _axes(centre: np.ndarray, K: np.ndarray) -> Ellipsoid:
         values, axes = np.linalg.eigh((K + K.T) / 2)
         size = np.clip(AXIS * np.sqrt(np.maximum(values, 0) / OF), 0.004, 0.16)
         return Ellipsoid(centre, axes, size)
-
-
-@dataclass(frozen=True)
-class Ellipsoid:
-    """An ellipsoid: centre (3,) [m], axes (3, 3) in the columns, semi-axes (3,) [m]."""
-
-    centre: np.ndarray
-    axes: np.ndarray
-    size: np.ndarray
-
-
-class Ellipsoids:
-    """Several ellipsoids, of which the number may change."""
-
-    def __init__(
-        self, server: viser.ViserServer, name: str, colour: tuple[int, int, int], opacity: float
-    ):
-        self._server, self._name, self._colour, self._opacity = server, name, colour, opacity
-        self._handle: viser.BatchedMeshHandle | None = None
-        self._count = 0
-
-    def draw(self, shapes: Sequence[Ellipsoid]) -> None:
-        """Show these, and no others."""
-        if len(shapes) != self._count:
-            if self._handle is not None:
-                self._handle.remove()
-                self._handle = None
-            self._count = len(shapes)
-        if not shapes:
-            return
-        axes = np.array([shape.axes for shape in shapes])
-        axes[:, :, 0] *= np.sign(np.linalg.det(axes))[:, None]
-        turned = rotation.to_quaternion(axes)
-        centres, sizes = (
-            np.array([getattr(s, part) for s in shapes]) for part in ("centre", "size")
-        )
-        if self._handle is None:
-            vertices, faces = _ball()
-            self._handle = self._server.scene.add_batched_meshes_simple(
-                self._name,
-                vertices,
-                faces,
-                turned,
-                centres,
-                batched_scales=sizes,
-                batched_colors=self._colour,
-                opacity=self._opacity,
-                lod="off",
-                cast_shadow=False,
-                receive_shadow=False,
-            )
-        else:
-            self._handle.batched_wxyzs = turned
-            self._handle.batched_positions = centres
-            self._handle.batched_scales = sizes
 
 
 class _Arrows:
@@ -264,18 +213,11 @@ def frame(server: viser.ViserServer, world: World) -> None:
     middle = np.mean(hands, axis=0)
     camera = server.initial_camera
     if HERO in cameras(model):
-        place, R = data.camera(HERO).xpos, data.camera(HERO).xmat.reshape(3, 3)
-        ahead = -R[:, 2]
-        camera.position, camera.fov = place, np.radians(model.camera(HERO).fovy[0])
-        camera.look_at = place + ahead * max(float((middle - place) @ ahead), 0.1)
+        place = data.camera(HERO).xpos
+        # From the same side, but with the hands in the middle and some room around them.
+        camera.position, camera.look_at = middle + ROOM * (place - middle), middle
+        camera.fov = np.radians(model.camera(HERO).fovy[0])
         return
     size = max(float(np.linalg.norm(middle - data.xpos[1])), 0.3)
     camera.look_at = middle
     camera.position = middle + size * np.array([2.2, 1.4, 1.1])
-
-
-def _ball() -> tuple[np.ndarray, np.ndarray]:
-    import trimesh  # comes with viser
-
-    ball = trimesh.creation.icosphere(subdivisions=2)
-    return ball.vertices, ball.faces

@@ -6,8 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
-from tpsim.robot.objects import Objects
 from tpsim.errors import SimulationError
+from tpsim.robot.objects import Objects
 from tpsim.robot.state import State
 from tpsim.world.object_path import MovingObjects, ObjectPath
 from tpsim.world.plant import NOMINAL, Delay, Plant, Sensors

@@ -317,6 +317,21 @@ def _people(book: Book) -> None:
         care=lab.Care(),
     )
     add(
+        "lab.Drag",
+        lab.Drag,
+        infinite=True,
+        name="push",
+        body="tip",
+        times=(0.0, 0.1),
+        positions=((0.3, 0.2, 0.0), (0.3, 0.25, 0.0)),
+        quaternions=((1.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)),
+        until=0.2,
+        point=(0.0, 0.0, 0.0),
+        grip=lab.Grip(),
+        relative_to="tip",
+        smoothing=0.04,
+    )
+    add(
         "lab.Push",
         lab.Push,
         body="tip",

@@ -5,10 +5,17 @@ from typing import TYPE_CHECKING
 
 import viser
 
+from tpsim.play.ellipsoids import Ellipsoid, Ellipsoids
+from tpsim.play.learned import ellipsoids, weights
 from tpsim.play.lessons import Learned
+from tpsim.plot.style import PALETTE
 
 if TYPE_CHECKING:
     from tpsim.play.page import Page
+
+
+BARS = "▁▂▃▄▅▆▇█"
+"""From nothing to all."""
 
 
 class LearningPanel:
@@ -34,10 +41,29 @@ class LearningPanel:
         self._button = gui.add_button("Learn from what was shown", icon=viser.Icon.SCHOOL)
         self._button.on_click(page.guarded(self._learn))
         self._said = gui.add_markdown("")
+        self._shapes = gui.add_checkbox("Show ellipsoids in the scene", False)
+        self._shapes.on_update(page.guarded(self._draw))
+        self._drawn: dict[str, Ellipsoids] = {}
         self._learned: Learned | None = None
 
     def refresh(self) -> None:
-        """Say what was learned."""
+        """Nothing here changes but by :meth:`show`."""
+
+    def _draw(self) -> None:
+        """Ellipsoids of the model in every frame, where the frames are now."""
+        page, session = self._page, self._page.session
+        shapes: dict[str, list[Ellipsoid]] = {}
+        if self._shapes.value and session.models is not None:
+            with session.lock:
+                shapes = ellipsoids(session.task, session.models, session.going.state)
+        for k, name in enumerate(shapes):
+            if name not in self._drawn:
+                red, green, blue = bytes.fromhex(PALETTE[k % len(PALETTE)][1:])
+                self._drawn[name] = Ellipsoids(
+                    page.server, f"/learned/{name}", (red, green, blue), 0.3
+                )
+        for name, drawn in self._drawn.items():
+            drawn.draw(shapes.get(name, []))
 
     def show(self, learned: Learned) -> None:
         """Say what was learned."""
@@ -48,7 +74,12 @@ class LearningPanel:
             likelihood = learned.log_likelihood.get(name)
             words = "" if likelihood is None else f", log-likelihood {likelihood:.1f}"
             rows.append(f"**{name}** from {count} demonstrations ({whose}){words}")
+        session = self._page.session
+        rows.append("\nHow much each frame matters, component by component:")
+        for name, share in weights(session.task, learned.models).items():
+            rows.append(f"`{''.join(BARS[round(7 * s)] for s in share)}` {name}")
         self._said.content = "  \n".join(rows)
+        self._draw()
 
     def _learn(self) -> None:
         page, session = self._page, self._page.session

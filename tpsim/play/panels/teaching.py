@@ -88,24 +88,20 @@ class TeachingPanel:
             f"/gizmo/{name}", 0.16, line_width=3.0, depth_test=False, visible=False
         )
 
-        @gizmo.on_drag_start
-        async def _(event) -> None:  # type: ignore[no-untyped-def]
-            self._led.add(site)
-            with self._page.session.lock:
-                self._page.session.grab(
-                    (site, event.client_id), site, gizmo.position, _four(gizmo.wxyz)
-                )
-
+        # A coroutine: phases are told in order.
         @gizmo.on_update
         async def _(event) -> None:  # type: ignore[no-untyped-def]
-            with self._page.session.lock:
-                self._page.session.move((site, event.client_id), gizmo.position, _four(gizmo.wxyz))
-
-        @gizmo.on_drag_end
-        async def _(event) -> None:  # type: ignore[no-untyped-def]
-            self._led.discard(site)
-            with self._page.session.lock:
-                self._page.session.let_go((site, event.client_id))
+            session, who = self._page.session, (site, event.client_id)
+            wanted = gizmo.position, _four(gizmo.wxyz)
+            with session.lock:
+                if event.phase == "start":
+                    self._led.add(site)
+                    session.grab(who, site, *wanted)
+                elif event.phase == "update":
+                    session.move(who, *wanted)
+                else:
+                    self._led.discard(site)
+                    session.let_go(who)
 
         return gizmo
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from tpsim.pose import Pose
+from tpsim.robot.indices import Chain
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Site
 from tpsim.task.task import Goal
@@ -23,7 +24,7 @@ VIEWS = {
     "sugar in base": SUGAR.pose,
     "sugar from cup": ABOVE.pose,
     "left posture": cup.VIEWS["left posture"],
-    "right posture": Joints("right_.*").spare(RIGHT.pose),
+    "right posture": Joints(Chain(RIGHT.name)).spare(RIGHT.pose),
 }
 """Candidate frames: both hands in the base, one seen from the other (Eq. 41), both postures."""
 
@@ -49,9 +50,10 @@ def lesson(
     workspace: Workspace = TAUGHT,
     *,
     teacher: TeacherName = "firm",
+    room: float = 1.0,
 ) -> Lesson:
     """Draw one demonstration: both hands are led, the right one watches the cup."""
-    hands = Hands(world, teacher)
+    hands = Hands(world, teacher, room)
     rotations, positions = cup.via_poses(hands, rng, workspace)
     R_above, p_above = hands.above
     turned = np.array([GRIP.turn(rng) @ R_above for _ in positions])

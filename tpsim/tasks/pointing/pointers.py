@@ -5,12 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tpsim.catalogue.ours import baxter, planar3
 from tpsim.robot.views.direction import Bearing, Direction
 from tpsim.robot.views.joints import Joints, Spare
 from tpsim.robot.views.sites import Object, Site
 from tpsim.robot.views.view import View
 from tpsim.scene.compose import Held, Placed, world
-from tpsim.tasks.robots import CAMERAS, FLOOR, TABLE, baxter, on_the_floor, planar3
+from tpsim.tasks.planar import on_the_floor
+from tpsim.tasks.workplace import Workplace
 from tpsim.world.people.care import EVERYTHING, Care
 from tpsim.world.world import World
 
@@ -101,12 +103,13 @@ def _baxter_world() -> World:
     """Baxter at its table with a beam in the left gripper, which shows where it points."""
     spots = ((0.6, 0.3, -0.2), (0.6, 0.1, -0.2))
     markers = {n: Placed("marker", spot) for n, spot in zip(OBJECTS, spots, strict=True)}
+    place = Workplace.of(robot := baxter())
     return world(
-        baxter(),
-        objects=markers | TABLE,
+        robot,
+        objects=markers | place.furniture(),
         held={"beam": Held("beam", "left_gripper", (0.0, 0.0, 0.006))},
-        floor=FLOOR,
-        cameras=CAMERAS,
+        floor=place.floor,
+        cameras=place.cameras(),
     )
 
 

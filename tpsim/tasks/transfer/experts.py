@@ -30,7 +30,7 @@ from tpsim.world.people.push import Push
 from tpsim.world.people.script import minimum_jerk
 from tpsim.world.world import World
 
-GAINS = Path(__file__).with_name("gains.json")
+GAINS = Path(__file__).with_name("gains-baxter.json")
 """Gains as they were tuned."""
 
 PUSH, TRAVEL = 10.0, 0.05

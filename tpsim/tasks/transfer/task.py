@@ -13,6 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from tpsim.catalogue.ours import baxter
 from tpsim.control.poses import SeenMovement
 from tpsim.controllers.finite_horizon import FiniteHorizon
 from tpsim.demonstration import Demonstration
@@ -27,8 +28,8 @@ from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Object, Site
 from tpsim.scene.compose import Held, Placed, world
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
-from tpsim.tasks.robots import CAMERAS, FLOOR, TABLE, baxter
 from tpsim.tasks.transfer import docks
+from tpsim.tasks.workplace import Workplace
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
 from tpsim.world.teaching import Lesson
 from tpsim.world.trial import Trial
@@ -104,7 +105,14 @@ class Transfer(Task):
         """Baxter with a sugar cube in its left hand, and two docks."""
         objects = {name: Placed("dock", spot) for name, spot in _SPOTS.items()}
         held = {"sugar": Held("sugar", docks.GRIPPER, (0, 0, 0.006))}
-        return world(baxter(), objects=TABLE | objects, held=held, floor=FLOOR, cameras=CAMERAS)
+        place = Workplace.of(robot := baxter())
+        return world(
+            robot,
+            objects=place.furniture() | objects,
+            held=held,
+            floor=place.floor,
+            cameras=place.cameras(),
+        )
 
     def sites(self) -> dict[str, str]:
         """The hand that carries, and its elbow."""

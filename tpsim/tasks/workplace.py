@@ -1,0 +1,138 @@
+"""Where arms work: between what, how far and how strongly, by the length of the arms."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from tpsim.border import Point
+from tpsim.errors import ArgumentError
+from tpsim.robot import anatomy
+from tpsim.robot.robot import Robot
+from tpsim.robot.views.joints import Spare
+from tpsim.robot.views.view import View
+from tpsim.scene import furniture
+from tpsim.scene.bounds import box
+from tpsim.scene.compose import Camera, Placed
+from tpsim.world.world import World
+
+DEFAULT = "baxter"
+"""The robot that tasks are performed by where nobody names another; its size is 1."""
+
+LENGTH = 1.414
+"""Length [m] of an arm of size 1: that for which a task's distances and forces are said."""
+
+STANDS = 1.06
+"""Height of the shoulders above the floor, in sizes [m]; a pedestal makes up for the rest."""
+
+
+HANDS = ("left_hand", "right_hand")
+"""Names of two hands."""
+
+REDUNDANT = 6
+"""Joints beyond which an arm has some to spare while its hand has a pose."""
+
+
+def two_hands(robot: Robot, task: str) -> Robot:
+    """The robot, if it has two hands.
+
+    Raises
+    ------
+    ArgumentError
+        If it has another number of them.
+    """
+    if tuple(robot.hands) != HANDS:
+        has = ", ".join(robot.hands)
+        raise ArgumentError(
+            f"task '{task}' needs two hands, {' and '.join(HANDS)}; this robot has {has}"
+        )
+    return robot
+
+
+def with_spare_joints(views: Mapping[str, View], robot: Robot) -> dict[str, View]:
+    """Views without the postures of arms that have no joints to spare."""
+    return {
+        name: view
+        for name, view in views.items()
+        if not isinstance(view, Spare) or len(robot.index(view.names)) > REDUNDANT
+    }
+
+
+@lru_cache(maxsize=16)
+def size_of(robot: Robot) -> float:
+    """Size of a robot's arms: their mean length over ``LENGTH``."""
+    lengths = [anatomy.length(robot, site) for site in robot.hands.values()]
+    return round(float(np.mean(lengths)) / LENGTH, 2)
+
+
+def size_for(name: str, stage: Callable[[], World]) -> float:
+    """Size of the robot of a task by its name; the default one needs not be made for it."""
+    return 1.0 if name == DEFAULT else size_of(stage().robot)
+
+
+def gains_of(module: str, robot: str) -> Path:
+    """File beside a module with the gains that were tuned for a robot."""
+    name = re.sub(r"[^a-z0-9]+", "-", robot.lower()).strip("-")
+    return Path(module).with_name(f"gains-{name}.json")
+
+
+@dataclass(frozen=True)
+class Workplace:
+    """A place to work at.
+
+    Distances and the forces of people go with the size, so that friction [Ns/m] and stiffness
+    [N/m] mean the same to all.
+
+    Parameters
+    ----------
+    middle : (3,)
+        Between the shoulders [m].
+    size : float
+        Of the arms, :func:`size_of`.
+    floor : float
+        Height of the floor [m].
+    foot : (3,)
+        Lowest point of the robot, where it stands [m].
+    """
+
+    middle: Point
+    size: float
+    floor: float
+    foot: Point
+
+    @classmethod
+    def of(cls, robot: Robot) -> "Workplace":
+        """That of a robot, at both of its hands or its only one."""
+        shoulders = [anatomy.shoulder(robot, site) for site in robot.hands.values()]
+        middle = np.round(np.mean(shoulders, axis=0), 2) + 0.0
+        size, (low, _) = size_of(robot), box(robot)
+        floor = min(float(low[2]), float(middle[2]) - STANDS * size)
+        return cls(
+            tuple(middle.tolist()), size, round(floor, 3), (float(middle[0]), 0.0, float(low[2]))
+        )
+
+    def at(self, x: float, y: float, z: float) -> Point:
+        """A point (3,) [m] that is so far from between the shoulders of arms of size 1."""
+        a, b, c = np.array(self.middle) + self.size * np.array([x, y, z])
+        return float(a), float(b), float(c)
+
+    def furniture(self) -> dict[str, Placed]:
+        """A table before the robot, and what the robot stands on where it has no feet."""
+        top = self.at(0.64, 0.0, -0.35)
+        depth, width = 0.5 * self.size, 0.9 * self.size
+        table = furniture.table(depth, width, round(top[2] - self.floor, 3))
+        found = {"table": Placed(table, top)}
+        if (height := self.foot[2] - self.floor) > 0.02:
+            found["pedestal"] = Placed(furniture.pedestal(0.2 * self.size, height), self.foot)
+        return found
+
+    def cameras(self) -> dict[str, Camera]:
+        """From where arms of this size are seen."""
+        return {
+            "hero": Camera(self.at(2.34, 1.3, 0.62), self.at(0.26, 0.05, 0.07), 30),
+            "hands": Camera(self.at(1.29, 0.6, 0.27), self.at(0.49, 0.06, 0.06), 32),
+            "side": Camera(self.at(0.84, 2.9, 0.32), self.at(0.29, 0.0, -0.05), 32),
+        }

@@ -30,7 +30,7 @@ def openarm() -> Arms:
         spec,
         # Between the fingertips; they open along y and reach along -z.
         {
-            side: Gripper(f"{side}_ee_control_point", (-0.0127, 0, -0.125), (0, 0, -1), (0, 1, 0))
+            side: Gripper(f"{side}_ee_control_point", (-0.0127, 0, -0.155), (0, 0, -1), (0, 1, 0))
             for side in sides
         },
         {side: f"openarm_{side}_link4" for side in sides},

@@ -119,9 +119,13 @@ class Workplace:
         a, b, c = np.array(self.middle) + self.size * np.array([x, y, z])
         return float(a), float(b), float(c)
 
-    def furniture(self) -> dict[str, Placed]:
-        """A table before the robot, and what the robot stands on where it has no feet."""
-        top = self.at(0.64, 0.0, -0.35)
+    def furniture(self, lowest: float = np.inf) -> dict[str, Placed]:
+        """A table before the robot, and what the robot stands on where it has no feet.
+
+        ``lowest`` is the height [m] of what the table has to be well below.
+        """
+        x, y, z = self.at(0.64, 0.0, -0.35)
+        top = x, y, min(z, lowest - 0.2 * self.size)
         depth, width = 0.5 * self.size, 0.9 * self.size
         table = furniture.table(depth, width, round(top[2] - self.floor, 3))
         found = {"table": Placed(table, top)}

@@ -55,8 +55,9 @@ def via_poses(
     """
     R_home, p_home = hands.cup
     rotations, positions = [], []
+    workspace = hands.within(workspace)
     for _ in range(VIAS + 1):
-        offset = hands.scale * workspace.offset(rng)
+        offset = workspace.offset(rng)
         if level is not None:
             offset[2] = level
         rotations.append(workspace.turn(rng) @ R_home)

@@ -35,7 +35,7 @@ class Workspace:
     Parameters
     ----------
     position : (3,) tuple
-        Of arms of size 1 [m].
+        Of arms of size 1, as tasks state it [m].
     yaw, tilt : float
         About the vertical, and about any horizontal axis [rad].
     elbow : float
@@ -48,8 +48,13 @@ class Workspace:
     tilt: float = 0.0
     elbow: float = 0.35
 
+    def of_size(self, scale: float, room: float) -> "Workspace":
+        """For arms of another size, and with less room, which is less to turn, too."""
+        x, y, z = (scale * room * extent for extent in self.position)
+        return replace(self, position=(x, y, z), yaw=room * self.yaw, tilt=room * self.tilt)
+
     def offset(self, rng: np.random.Generator) -> np.ndarray:
-        """A displacement (3,) within the range [m], of arms of size 1."""
+        """A displacement (3,) [m] within the range."""
         return rng.uniform(-1, 1, 3) * self.position
 
     def turn(self, rng: np.random.Generator) -> np.ndarray:
@@ -75,8 +80,8 @@ class Hands:
 
     Attributes
     ----------
-    scale : float
-        Of displacements: the arms' size, as much of it as there is room for.
+    size, room : float
+        Of the arms, and share of their workspace.
     cup, sugar : Pose
         At home.
     above : Pose
@@ -87,7 +92,7 @@ class Hands:
 
     def __init__(self, world: World, teacher: TeacherName = "firm", room: float = 1.0):
         self._teacher = teacher
-        self.scale = room * size_of(world.robot)
+        self.size, self.room = size_of(world.robot), room
         self._world, robot = world, world.robot
         home = robot.at_home
         self.cup, self.sugar = home.pose("cup"), home.pose("sugar")
@@ -101,14 +106,18 @@ class Hands:
     def level_cup(self, rng: np.random.Generator, workspace: Workspace) -> Pose:
         """A pose of the cup somewhere in a workspace, level."""
         R, p = self.cup
-        turn = replace(workspace, tilt=0.0).turn(rng)
-        return Pose(turn @ R, p + self.scale * workspace.offset(rng))
+        within = replace(self.within(workspace), tilt=0.0)
+        return Pose(within.turn(rng) @ R, p + within.offset(rng))
+
+    def within(self, workspace: Workspace) -> Workspace:
+        """A workspace of arms of size 1, for these arms in their room."""
+        return workspace.of_size(self.size, self.room)
 
     @property
     def aside(self) -> Pose:
         """Where the sugar is while the right hand waits."""
         R, p = self.sugar
-        return Pose(R, p + self.scale * ASIDE)
+        return Pose(R, p + self.size * ASIDE)
 
     def reach(self, rng: np.random.Generator, elbow: float, **held: Pose) -> np.ndarray:
         """Posture (n,) that brings ``cup`` and ``sugar`` to poses, elbows drawn at random."""

@@ -56,7 +56,7 @@ def lesson(
     hands = Hands(world, teacher, room)
     rotations, positions = cup.via_poses(hands, rng, workspace)
     R_above, p_above = hands.above
-    turned = np.array([GRIP.turn(rng) @ R_above for _ in positions])
+    turned = np.array([hands.within(GRIP).turn(rng) @ R_above for _ in positions])
     places = np.tile(p_above, (len(positions), 1))
     first = Pose(rotations[0], positions[0])
     start = hands.reach(rng, workspace.elbow, cup=first, sugar=first @ Pose(turned[0], p_above))
@@ -70,5 +70,5 @@ def start(hands: Hands, rng: np.random.Generator, workspace: Workspace = TAUGHT)
     """Start posture (n,) of an unseen situation: sugar at its place above a cup that is level."""
     level = hands.level_cup(rng, workspace)
     R_above, p_above = hands.above
-    sugar = level @ Pose(GRIP.turn(rng) @ R_above, p_above)
+    sugar = level @ Pose(hands.within(GRIP).turn(rng) @ R_above, p_above)
     return hands.reach(rng, workspace.elbow, cup=level, sugar=sugar)

@@ -5,7 +5,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -20,7 +20,7 @@ from tpsim.scene.compose import Held, world
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
 from tpsim.tasks.cup_and_sugar import cup, sugar
 from tpsim.tasks.cup_and_sugar.hands import Hands
-from tpsim.tasks.cup_and_sugar.home import at_home
+from tpsim.tasks.cup_and_sugar.home import home
 from tpsim.tasks.workplace import DEFAULT, Workplace, size_for, two_hands, with_spare_joints
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
 from tpsim.world.rehearsal import considered
@@ -31,6 +31,9 @@ HELD = {
     "cup": Held("cup", "left_gripper", (0, 0, 0.056), ((0, 0, 1), (0, -1, 0))),
     "sugar": Held("sugar", "right_gripper", (0, 0, 0.006)),
 }
+
+PARTS = ("gripper", "elbow")
+"""Parts of arms that are above the table."""
 
 _ROOMS = {"cup": cup, "sugar": sugar}
 
@@ -84,16 +87,7 @@ class CupAndSugar(Task):
 
     def world(self) -> World:
         """The robot with a cup in its left hand and a sugar cube in its right one."""
-        robot = two_hands(find(self.robot), self.name)
-        place = Workplace.of(robot)
-        stage = world(
-            robot,
-            objects=place.furniture(),
-            held=HELD,
-            floor=place.floor,
-            cameras=place.cameras(),
-        )
-        return at_home(stage, self.robot, self.room)
+        return _world(self.robot, self.room, self.name)
 
     def sites(self) -> dict[str, str]:
         """Hands, what they hold, and elbows."""
@@ -141,3 +135,17 @@ class CupAndSugar(Task):
             for name, behaviour in self.behaviours().items()
             for goal in behaviour.goals.values()
         }
+
+
+@lru_cache(maxsize=4)
+def _world(name: str, room: float, task: str) -> World:
+    """The world of a robot: home is looked for, once, and then the table is put below it."""
+    robot = two_hands(find(name), task)
+    place = Workplace.of(robot)
+    scene = {"held": HELD, "floor": place.floor, "cameras": place.cameras()}
+    posture = home(bare := world(robot, **scene), name, room)  # type: ignore[arg-type]
+    at_home = bare.with_home(posture).robot.at_home
+    arms = [at_home.pose(f"{side}_{part}") for side in ("left", "right") for part in PARTS]
+    lowest = min(float(pose.position[2]) for pose in arms)
+    furnished = world(robot, objects=place.furniture(lowest), **scene)  # type: ignore[arg-type]
+    return furnished.with_home(posture)

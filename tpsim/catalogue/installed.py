@@ -1,5 +1,6 @@
 """Robots of installed packages, whose files nobody here wrote."""
 
+from importlib.util import find_spec
 from pathlib import Path
 
 import mujoco
@@ -18,19 +19,17 @@ _VIPERX_WRIST = {".*/wrist_angle": 30.0, ".*/wrist_rotate": 30.0}
 
 def jaco() -> Arms:
     """Kinova's Jaco of dm_control: one arm of six joints, three fingers; limits are Kinova's."""
-    from dm_control.entities.manipulators import kinova
-
-    arm = kinova.JacoArm()
-    hand = kinova.JacoHand()
-    arm.attach(hand)
-    root = arm.mjcf_model
-    for sensor in list(root.find_all("sensor")):
-        sensor.remove()
-    spec = mujoco.MjSpec.from_string(root.to_xml_string(), assets=root.get_assets())
+    # The package itself is not imported: it looks for a screen.
+    found = find_spec("dm_control")
+    assert found is not None and found.submodule_search_locations
+    folder = Path(next(iter(found.submodule_search_locations))) / "third_party" / "kinova"
+    spec = mujoco.MjSpec.from_file(str(folder / "jaco_arm.xml"))
+    hand = mujoco.MjSpec.from_file(str(folder / "jaco_hand.xml"))
+    spec.attach(hand, site=spec.site("wristsite"), prefix="hand_")
     return Arms(
         spec,
         # The Jaco's fingers close along the site's x axis.
-        {"left": Gripper("jaco_hand/gripsite", reach=(0, 0, 1), across=(1, 0, 0))},
+        {"left": Gripper("hand_gripsite", reach=(0, 0, 1), across=(1, 0, 0))},
         {"left": "b_3"},
         torque_limit={"joint_[123]": 30.5, "joint_[456]": 6.8},
         velocity_limit={"joint_[123]": 0.63, "joint_[456]": 0.84},

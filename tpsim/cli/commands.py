@@ -29,6 +29,7 @@ from tpsim.cli.options import (
     writable,
 )
 from tpsim.cli.recordings import Data
+from tpsim.cli.robots import Robots
 from tpsim.cli.run import Run
 from tpsim.cli.tuning import Tune
 from tpsim.errors import ArgumentError
@@ -236,6 +237,6 @@ COMMANDS: Mapping[str, type[Command | StudyCommand]] = {
     command.__name__.lower(): command
     for command in (
         *(Run, Teach, Learn, Reproduce, Push, Tune, Replay, Export, Data),
-        *(Compare, Bench, Demo, Doctor),
+        *(Compare, Bench, Demo, Robots, Doctor),
     )
 }

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 POLICY, ARRAYS, SCENE = "policy.json", "arrays.npz", "scene.xml"
 
-SCHEMA = 1
+SCHEMA = 2
 """Of ``policy.json``."""
 
 _MOST = 2**30

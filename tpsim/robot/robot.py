@@ -33,6 +33,10 @@ if TYPE_CHECKING:
 _ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
+RUBBING = 0.05
+"""Speed [rad/s] about which friction is compensated: below it, less of it is."""
+
+
 class Robot:
     """A torque-controlled robot, immutable: arms of hinges and slides, from MJCF or URDF.
 
@@ -52,8 +56,9 @@ class Robot:
         Limits in rad, rad/s, Nm (m, m/s, N for slides); infinite where there is none.
     home : (n,)
         Home posture [rad].
-    damping : (n,)
-        Viscous damping of the joints [Nms/rad], which controllers compensate.
+    damping, friction : (n,)
+        Viscous damping [Nms/rad] and Coulomb friction [Nm] of the joints, which controllers
+        compensate.
     """
 
     def __init__(self, mechanism: Mechanism, simulated: "InMujoco | None" = None):
@@ -67,6 +72,7 @@ class Robot:
         self.lower, self.upper, self.home = mechanism.lower, mechanism.upper, mechanism.home
         self.velocity_limit = mechanism.velocity_limit
         self.torque_limit, self.damping = mechanism.torque_limit, mechanism.damping
+        self.friction, self.has_friction = mechanism.friction, bool(mechanism.friction.any())
         self._springs, self._slack = mechanism.springs, mechanism.slack
         self._sprung = bool(self._springs.any())
         self._below = np.tril_indices(self.n, -1)
@@ -243,6 +249,14 @@ class Robot:
         q = self.posture("q", q)
         torque = pin.computeGeneralizedGravity(self._pin, self._dynamics, q)
         return self._with_springs(torque, q) if self._sprung else torque
+
+    def friction_torque(self, dq: np.ndarray) -> np.ndarray:
+        """Torque (n,) [Nm] against the joints' friction at dq (n,), smooth about rest.
+
+        ``friction * tanh(dq / RUBBING)``: never more than what friction takes.
+        """
+        torque: np.ndarray = self.friction * np.tanh(dq / RUBBING)
+        return torque
 
     def potential_energy(self, q: np.ndarray) -> float:
         """Energy [J] of gravity and of the joints' own springs at q (n,)."""

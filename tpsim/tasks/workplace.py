@@ -125,7 +125,7 @@ class Workplace:
         ``lowest`` is the height [m] of what the table has to be well below.
         """
         x, y, z = self.at(0.64, 0.0, -0.35)
-        top = x, y, min(z, lowest - 0.2 * self.size)
+        top = x, y, min(z, lowest - 0.4 * self.size)
         depth, width = 0.5 * self.size, 0.9 * self.size
         table = furniture.table(depth, width, round(top[2] - self.floor, 3))
         found = {"table": Placed(table, top)}
@@ -133,10 +133,23 @@ class Workplace:
             found["pedestal"] = Placed(furniture.pedestal(0.2 * self.size, height), self.foot)
         return found
 
-    def cameras(self) -> dict[str, Camera]:
-        """From where arms of this size are seen."""
+    def cameras(self, hands: np.ndarray) -> dict[str, Camera]:
+        """From where arms of this size are seen, with their hands about a point (3,) [m]."""
+        centre = 0.4 * np.array(self.middle) + 0.6 * hands
+
+        def camera(about: np.ndarray, aim: Point, away: Point, fovy: float) -> Camera:
+            target = about + self.size * np.array(aim)
+            position = target + self.size * np.array(away)
+            return Camera(tuple(position.tolist()), tuple(target.tolist()), fovy)
+
         return {
-            "hero": Camera(self.at(2.34, 1.3, 0.62), self.at(0.26, 0.05, 0.07), 30),
-            "hands": Camera(self.at(1.29, 0.6, 0.27), self.at(0.49, 0.06, 0.06), 32),
-            "side": Camera(self.at(0.84, 2.9, 0.32), self.at(0.29, 0.0, -0.05), 32),
+            "hero": camera(centre, (-0.07, 0.04, 0.04), (2.08, 1.25, 0.55), 30),
+            "hands": camera(hands, (-0.05, 0.04, 0.02), (0.8, 0.54, 0.21), 32),
+            "side": camera(centre, (-0.04, -0.01, -0.07), (0.55, 2.9, 0.37), 32),
         }
+
+
+def between(robot: Robot) -> np.ndarray:
+    """Middle (3,) of a robot's hands at home [m]."""
+    positions = [robot.at_home.pose(site).position for site in robot.hands.values()]
+    return np.asarray(np.mean(positions, axis=0))

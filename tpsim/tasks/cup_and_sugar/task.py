@@ -21,7 +21,14 @@ from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
 from tpsim.tasks.cup_and_sugar import cup, sugar
 from tpsim.tasks.cup_and_sugar.hands import Hands
 from tpsim.tasks.cup_and_sugar.home import home
-from tpsim.tasks.workplace import DEFAULT, Workplace, size_for, two_hands, with_spare_joints
+from tpsim.tasks.workplace import (
+    DEFAULT,
+    Workplace,
+    between,
+    size_for,
+    two_hands,
+    with_spare_joints,
+)
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
 from tpsim.world.rehearsal import considered
 from tpsim.world.world import World
@@ -142,10 +149,15 @@ def _world(name: str, room: float, task: str) -> World:
     """The world of a robot: home is looked for, once, and then the table is put below it."""
     robot = two_hands(find(name), task)
     place = Workplace.of(robot)
-    scene = {"held": HELD, "floor": place.floor, "cameras": place.cameras()}
-    posture = home(bare := world(robot, **scene), name, room)  # type: ignore[arg-type]
-    at_home = bare.with_home(posture).robot.at_home
-    arms = [at_home.pose(f"{side}_{part}") for side in ("left", "right") for part in PARTS]
+    posture = home(bare := world(robot, held=HELD), name, room)
+    there = bare.with_home(posture).robot
+    arms = [there.at_home.pose(f"{side}_{part}") for side in ("left", "right") for part in PARTS]
     lowest = min(float(pose.position[2]) for pose in arms)
-    furnished = world(robot, objects=place.furniture(lowest), **scene)  # type: ignore[arg-type]
+    furnished = world(
+        robot,
+        objects=place.furniture(lowest),
+        held=HELD,
+        floor=place.floor,
+        cameras=place.cameras(between(there)),
+    )
     return furnished.with_home(posture)

@@ -98,7 +98,8 @@ class Ledger:
     """The books of one trial: what goes out of the tank, and what must not.
 
     The work of the motors beyond gravity and the joints' own damping and friction, exact for
-    torques that are held between two steps, is taken from what the controller owns: tank and springs together.
+    torques that are held between two steps, is taken from what the controller owns: tank and
+    springs together.
     While there is enough, torques pass as they are. Springs that would hold more than is owned
     pull less; what leads the movement is scaled to the work that is left. Dampers stay.
 

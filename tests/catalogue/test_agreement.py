@@ -56,7 +56,7 @@ def test_armature_damping_and_friction_are_those_of_the_file(name, robot_of):
 def test_they_agree_on_a_urdf_of_example_robot_data(path):
     if find_spec("example_robot_data") is None:
         pytest.skip("example-robot-data is not installed")
-    import example_robot_data
+    from example_robot_data.robots_loader import getModelPath
 
-    file = Path(example_robot_data.getModelPath(path)) / path
+    file = Path(getModelPath(path)) / path
     agree(arms_in(read_urdf(file, None, ()).spec, path).robot())

@@ -68,10 +68,11 @@ INSIDE = {
     ),
     **dict.fromkeys(
         [f"lab.{name}" for name in ("Impedance", "Impedance.of_modes", "Objects", "Pose", "Robot",
-         "Robot.of", "Grip.spends", "Grip.wrench", "Push.wrench",
+         "Robot.of", "Robot.of_source", "Grip.spends", "Grip.wrench", "Push.wrench",
          "Care.at", "HandPath.seen_from", "InverseKinematics.__call__", "Motion", "Spring.matrix",
          "Robot.compute_bias", "Robot.compute_jacobian", "Robot.compute_mass",
-         "Robot.compute_pose", "Seen", "Simulation", "Simulation.apply_wrench", "Simulation.step",
+         "Robot.compute_pose", "Robot.friction_torque",
+         "Seen", "Simulation", "Simulation.apply_wrench", "Simulation.step",
          "State")],
         "made or called at every time step: holds what it is given, unchecked",
     ),

@@ -204,6 +204,7 @@ class Study:
         """The same study of a task with other fields."""
         return self.about(replace(self.task, **fields))  # type: ignore[type-var]
 
+    @border
     def about(self, task: Task) -> "Study":
         """The same study of another task of its kind."""
         if self.of is None:

@@ -135,7 +135,7 @@ class Workplace:
 
     def cameras(self, hands: np.ndarray) -> dict[str, Camera]:
         """From where arms of this size are seen, with their hands about a point (3,) [m]."""
-        centre = 0.4 * np.array(self.middle) + 0.6 * hands
+        centre = 0.15 * np.array(self.middle) + 0.85 * hands
 
         def camera(about: np.ndarray, aim: Point, away: Point, fovy: float) -> Camera:
             target = about + self.size * np.array(aim)
@@ -143,9 +143,9 @@ class Workplace:
             return Camera(tuple(position.tolist()), tuple(target.tolist()), fovy)
 
         return {
-            "hero": camera(centre, (-0.07, 0.04, 0.04), (2.08, 1.25, 0.55), 30),
+            "hero": camera(centre, (-0.2, 0.03, 0.04), (2.08, 1.25, 0.55), 30),
             "hands": camera(hands, (-0.05, 0.04, 0.02), (0.8, 0.54, 0.21), 32),
-            "side": camera(centre, (-0.04, -0.01, -0.07), (0.55, 2.9, 0.37), 32),
+            "side": camera(centre, (-0.17, -0.02, -0.08), (0.55, 2.9, 0.37), 32),
         }
 
 

@@ -110,12 +110,9 @@ def _gripper(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Gripper:
     reach[axis] = np.sign(middle[axis]) or 1.0
     tip = float((cloud @ reach).max())
     across = _across(model, data, body, R, axis)
-    return Gripper(
-        model.body(body).name,
-        tuple((max(tip - TIP, 0.0) * reach).tolist()),
-        tuple(reach.tolist()),
-        tuple(across.tolist()),
-    )
+    x, y, z = (max(tip - TIP, 0.0) * reach).tolist()
+    name = model.body(body).name
+    return Gripper(name, (x, y, z), tuple(reach.tolist()), tuple(across.tolist()))
 
 
 def _across(

@@ -2,7 +2,7 @@
 
 import mujoco
 
-from tpsim.catalogue.arms import Arms
+from tpsim.catalogue.arms import Arms, Side
 from tpsim.robot.gripper import Gripper
 
 _PEDESTAL = 0.698
@@ -25,7 +25,7 @@ def openarm() -> Arms:
         conaffinity=0,
         group=2,
     )
-    sides = ("left", "right")
+    sides: tuple[Side, ...] = ("left", "right")
     return Arms(
         spec,
         # Between the fingertips; they open along y and reach along -z.

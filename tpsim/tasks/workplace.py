@@ -106,13 +106,11 @@ class Workplace:
     @classmethod
     def of(cls, robot: Robot) -> "Workplace":
         """That of a robot, at both of its hands or its only one."""
-        shoulders = [anatomy.shoulder(robot, site) for site in robot.hands.values()]
-        middle = np.round(np.mean(shoulders, axis=0), 2) + 0.0
-        size, (low, _) = size_of(robot), box(robot)
-        floor = min(float(low[2]), float(middle[2]) - STANDS * size)
-        return cls(
-            tuple(middle.tolist()), size, round(floor, 3), (float(middle[0]), 0.0, float(low[2]))
-        )
+        shoulders = np.array([anatomy.shoulder(robot, site) for site in robot.hands.values()])
+        x, y, z = (np.round(shoulders.mean(axis=0), 2) + 0.0).tolist()
+        size, lowest = size_of(robot), float(box(robot)[0][2])
+        floor = min(lowest, z - STANDS * size)
+        return cls((x, y, z), size, round(floor, 3), (x, 0.0, lowest))
 
     def at(self, x: float, y: float, z: float) -> Point:
         """A point (3,) [m] that is so far from between the shoulders of arms of size 1."""

@@ -14,8 +14,8 @@ def cup_world():
 @pytest.fixture(scope="session")
 def dock_world():
     """Baxter with a dock."""
+    from tpsim.catalogue.ours import baxter
     from tpsim.scene.compose import Placed, world
-    from tpsim.tasks.robots import baxter
 
     return world(baxter(), objects={"end": Placed("dock", (0.75, 0.0, 0.0))})
 
@@ -23,8 +23,8 @@ def dock_world():
 @pytest.fixture(scope="session")
 def planar3_world():
     """The arm of three links and two pucks."""
+    from tpsim.catalogue.ours import planar3
     from tpsim.scene.compose import Placed, world
-    from tpsim.tasks.robots import planar3
 
     spots = {"first": (-0.35, 0.606, -0.054), "second": (0.35, 0.606, -0.054)}
     return world(planar3(), objects={name: Placed("marker", at) for name, at in spots.items()})
@@ -33,8 +33,8 @@ def planar3_world():
 @pytest.fixture(scope="session")
 def planar5_world():
     """The trunk with two arms and two pucks."""
+    from tpsim.catalogue.ours import planar5
     from tpsim.scene.compose import Placed, world
-    from tpsim.tasks.robots import planar5
 
     spots = {"left_object": (-0.35, 0.606, -0.054), "right_object": (0.35, 0.606, -0.054)}
     return world(planar5(), objects={name: Placed("marker", at) for name, at in spots.items()})

@@ -18,7 +18,7 @@ FLOORS = (
     "robot",
     "world",
     "controllers",
-    ("scene", "film"),
+    ("scene", "film", "catalogue"),
     "task",
     "study",
     ("tasks", "deploy"),

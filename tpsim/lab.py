@@ -44,6 +44,7 @@ from tpsim.campaign.campaign import Sweep as Sweep
 from tpsim.campaign.people import Leads as Leads
 from tpsim.campaign.people import Pushes as Pushes
 from tpsim.campaign.people import Span as Span
+from tpsim.catalogue.arms import Arms as Arms
 from tpsim.controllers.cartesian import CartesianImpedance as CartesianImpedance
 from tpsim.controllers.cartesian import Spring as Spring
 from tpsim.controllers.computed_torque import ComputedTorque as ComputedTorque
@@ -62,6 +63,8 @@ from tpsim.deploy.cartesian import CartesianLimits as CartesianLimits
 from tpsim.deploy.policy import Policy as Policy
 from tpsim.film.clip import Clip as Clip
 from tpsim.pose import Pose as Pose
+from tpsim.robot.gripper import Gripper as Gripper
+from tpsim.robot.indices import Chain as Chain
 from tpsim.robot.robot import Robot as Robot
 from tpsim.robot.state import State as State
 from tpsim.robot.views.joints import Joints as Joints

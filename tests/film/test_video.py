@@ -13,7 +13,8 @@ from tpsim.film import overlay, rendering, video
 from tpsim.film.camera import viewpoint
 from tpsim.film.clip import Arrow, Clip, Ellipsoid, Reading
 from tpsim.robot.robot import Robot
-from tpsim.tasks.cup_and_sugar.task import HOME, CupAndSugar
+from tpsim.tasks.cup_and_sugar.home import KNOWN
+from tpsim.tasks.cup_and_sugar.task import CupAndSugar
 from tpsim.world.trial import Channels, Trial
 from tpsim.world.world import World
 
@@ -28,7 +29,7 @@ def clip():
     return Clip(
         world=CupAndSugar().stage,
         time=time,
-        q=np.tile(HOME, (11, 1)),
+        q=np.tile(KNOWN["baxter"], (11, 1)),
         title="title",
         subtitle="subtitle",
         arrows=(Arrow(point, np.tile([20.0, 0, 0], (11, 1))),),

@@ -4,10 +4,10 @@ import mujoco
 import numpy as np
 import pytest
 
+from tpsim.catalogue import ours
 from tpsim.errors import SimulationError
 from tpsim.scene import parts
 from tpsim.scene.compose import Held, Placed, world
-from tpsim.tasks import robots
 from tpsim.world.world import World
 
 
@@ -51,13 +51,13 @@ def test_objects_are_held_rigidly_and_the_model_knows_their_mass(home, cup_world
     assert model.nv == model.nu == 14
     for held, hand in (("cup", "left_hand"), ("sugar", "right_hand")):
         assert model.body(held).weldid == model.body(hand).weldid
-    empty = robots.baxter(cup_world.robot.home)
+    empty = ours.baxter(cup_world.robot.home)
     assert np.abs(empty.at_home.bias - cup_world.robot.at_home.bias).max() > 0.5
 
 
 def test_objects_can_be_moved():
     objects = {"goal": "dock", "spot": Placed("marker", (0.5, 0.1, 0.0), (1, 0, 0))}
-    model, _ = start(found := world(robots.baxter(), objects=objects))
+    model, _ = start(found := world(ours.baxter(), objects=objects))
     assert found.objects == ("goal", "spot")
     for name in objects:
         assert model.body(name).mocapid[0] >= 0
@@ -65,7 +65,7 @@ def test_objects_can_be_moved():
     np.testing.assert_allclose(model.mat("spot_paint").rgba[:3], [1, 0, 0])
 
 
-@pytest.mark.parametrize("make", [robots.planar3, robots.planar5])
+@pytest.mark.parametrize("make", [ours.planar3, ours.planar5])
 def test_planar_arms_move_in_the_plane_without_load(make):
     model, data = start(world(make(), objects={"puck": "marker"}))
     assert np.abs(data.qfrc_bias).max() <= 1e-12
@@ -77,7 +77,7 @@ def test_planar_arms_move_in_the_plane_without_load(make):
 
 
 def test_planar3_is_a_chain_that_points_along_its_last_link():
-    pose = robots.planar3().at([0.4, -0.7, 0.9]).pose("tip")
+    pose = ours.planar3().at([0.4, -0.7, 0.9]).pose("tip")
     angles = np.cumsum([0.4, -0.7, 0.9])
     tip = np.array([0.30, 0.30, 0.20]) @ np.stack([np.cos(angles), np.sin(angles)], axis=1)
     np.testing.assert_allclose(pose.position[:2], tip, atol=1e-6)
@@ -86,7 +86,7 @@ def test_planar3_is_a_chain_that_points_along_its_last_link():
 
 
 def test_planar5_has_two_arms_on_one_trunk():
-    robot = robots.planar5()
+    robot = ours.planar5()
     assert robot.joints == (
         "trunk",
         "left_shoulder",
@@ -111,13 +111,13 @@ def test_any_mjcf_can_be_held_and_placed(tmp_path):
     file = tmp_path / "stick.xml"
     file.write_text(text.replace("ball", "stick"))
     held = {"ball": Held(text, "tip")}
-    found = world(robots.planar3(), held=held, objects={"post": Placed(str(file), (1, 0, 0))})
+    found = world(ours.planar3(), held=held, objects={"post": Placed(str(file), (1, 0, 0))})
     assert found.model.body("ball").mass[0] == pytest.approx(0.1)
     np.testing.assert_allclose(found.model.body("post").pos, [1, 0, 0])
 
 
 def test_a_camera_is_placed_by_the_robots_size():
-    model = world(robots.planar3()).model
+    model = world(ours.planar3()).model
     assert [model.camera(i).name for i in range(model.ncam)] == ["hero"]
 
 
@@ -128,4 +128,4 @@ def test_unknown_model_names_those_that_exist():
 
 def test_unknown_site_names_those_that_exist():
     with pytest.raises(SimulationError, match=r"no site 'third_hand'.*left_gripper"):
-        world(robots.baxter(), held={"cup": Held("cup", "third_hand")})
+        world(ours.baxter(), held={"cup": Held("cup", "third_hand")})

@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from tpsim.catalogue import ours
 from tpsim.paths import MODELS
-from tpsim.tasks import robots
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 ARM = ("s0", "s1", "e0", "e1", "w0", "w1", "w2")
@@ -56,7 +56,7 @@ def test_limits(baxter):
     np.testing.assert_allclose(baxter.jnt_range[:, 1], UPPER * 2, atol=1e-9)
     np.testing.assert_allclose(baxter.actuator_ctrlrange[:, 1], EFFORT * 2)
     np.testing.assert_allclose(baxter.actuator_ctrlrange[:, 0], -np.array(EFFORT * 2))
-    np.testing.assert_allclose(robots.baxter().velocity_limit, VELOCITY * 2)
+    np.testing.assert_allclose(ours.baxter().velocity_limit, VELOCITY * 2)
     assert baxter.jnt_limited.all()
     assert baxter.actuator_ctrllimited.all()
 

@@ -33,7 +33,7 @@ def test_gymnasium_accepts_it(name, action):
 
 def test_every_built_in_task_has_an_id():
     assert set(registration.IDS.values()) == set(STUDIES)
-    assert {"tpsim/CupAndSugar-v0", "tpsim/PointingBaxter-v0"} <= set(gymnasium.registry)
+    assert {"tpsim/CupAndSugar-v0", "tpsim/Pointing-v0"} <= set(gymnasium.registry)
 
 
 def test_an_episode_is_that_of_dm_env_bit_for_bit():

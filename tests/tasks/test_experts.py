@@ -16,7 +16,7 @@ from tpsim.task.verbs import perform
 from tpsim.tasks import STUDIES
 from tpsim.tasks.cup_and_sugar.study import cup_and_sugar
 from tpsim.tasks.pointing.experts import view
-from tpsim.tasks.pointing.pointers import PLANAR
+from tpsim.tasks.pointing.pointers import PLANAR, planar_world
 from tpsim.tasks.transfer import docks
 from tpsim.tasks.transfer.experts import UNDERWAY, VIEW, Way, place
 from tpsim.tasks.transfer.task import MOVEMENT
@@ -62,7 +62,7 @@ def test_experts_of_the_cup_stay_where_the_task_is_done(name):
 
 
 def test_the_expert_who_points_has_one_goal_after_another():
-    robot = PLANAR.world().robot
+    robot = planar_world().robot
     spots = {"first": (-0.35, 0.606, -0.054), "second": (0.35, 0.606, -0.054)}
     places = ObjectPath.at("first", spots["first"]), ObjectPath.at("second", spots["second"])
     objects = {path.name: path.first for path in places}
@@ -77,9 +77,9 @@ def test_the_expert_who_points_has_one_goal_after_another():
         np.testing.assert_array_equal(view(PLANAR)(state).value, goal(state).value)
 
 
-def test_the_expert_who_carries_passes_the_poses_that_the_teacher_does():
-    placed = docks.draw(np.random.default_rng(0))
-    rotations, positions = docks.via_poses(placed)
+def test_the_expert_who_carries_passes_the_poses_that_the_teacher_does(dock_world):
+    placed = docks.draw(dock_world.robot, np.random.default_rng(0))
+    rotations, positions = docks.via_poses(placed, 1.0)
     times = np.linspace(docks.REST, MOVEMENT - docks.REST, 4)
     for time, R, p in zip(times, rotations, positions, strict=True):
         pose = place(placed, time)
@@ -93,7 +93,7 @@ def test_the_expert_who_carries_passes_the_poses_that_the_teacher_does():
 def test_docks_that_move_carry_the_way_along(dock_world):
     """The twist is the difference of poses over time and docks."""
     robot, h = dock_world.robot, 1e-5
-    placed = docks.draw(np.random.default_rng(1))
+    placed = docks.draw(robot, np.random.default_rng(1))
     v, w = np.array([0.1, -0.05, 0.2]), np.array([0.2, 0.1, -0.3])
     still = robot.at(robot.home, objects=placed, time=UNDERWAY + 0.3)
     moving = still.objects.moving(np.tile(np.concatenate([v, w]), (2, 1)))

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
+from tpsim.catalogue.ours import planar3
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.pose import Pose
-from tpsim.tasks.robots import planar3
 from tpsim.world.people.care import EVERYTHING, Care
 from tpsim.world.people.demonstrator import FIRM, HUMAN, Demonstrator
 from tpsim.world.people.guide import Grip, Guide, HandPath

@@ -4,9 +4,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from tpsim.catalogue.ours import planar3
 from tpsim.controllers.renewed import FixedImpedance
 from tpsim.errors import ArgumentError
-from tpsim.tasks.robots import planar3
 from tpsim.world.episode import Episode
 from tpsim.world.impedance import Drive, Impedance
 from tpsim.world.rollout import rollout

@@ -32,6 +32,7 @@ from tpsim.cli.options import (
 from tpsim.cli.play import Play
 from tpsim.cli.recordings import Data
 from tpsim.cli.replay import Replay
+from tpsim.cli.robots import Robots
 from tpsim.cli.run import Run
 from tpsim.cli.tuning import Tune
 from tpsim.errors import ArgumentError
@@ -216,6 +217,6 @@ COMMANDS: Mapping[str, type[Command | StudyCommand]] = {
     command.__name__.lower(): command
     for command in (
         *(Run, Teach, Learn, Reproduce, Push, Campaign, Tune, Replay, Export, Data),
-        *(Compare, Play, Bench, Demo, Doctor),
+        *(Compare, Play, Bench, Demo, Robots, Doctor),
     )
 }

@@ -18,6 +18,7 @@ SUMMARIES = {
     "compare": "Measure the methods of the tutorial's Section 8, and yours, side by side.",
     "bench": "Measure speeds: learning, retrieval, control, simulation, or all of them.",
     "demo": "Run a row of the tutorial's Table 2, as numbers and a picture, or list them all.",
+    "robots": "List the robots at hand, or show one: limits, reach, load at home, changes.",
     "doctor": "Show versions, rendering, what is missing and the command that mends it.",
 }
 """First lines of the commands' docstrings, by name."""

@@ -28,6 +28,7 @@ from tpsim.gaussian import Gaussian
 from tpsim.learning.free_movement import Relevance
 from tpsim.npz import read_members, write_members
 from tpsim.pose import Pose
+from tpsim.robot.indices import Chain
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.direction import Bearing, Direction
 from tpsim.robot.views.joints import Joints, Spare
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
 
 POLICY, ARRAYS, SCENE = "policy.json", "arrays.npz", "scene.xml"
 
-SCHEMA = 1
+SCHEMA = 2
 """Of ``policy.json``."""
 
 _MOST = 2**30
@@ -78,7 +79,10 @@ class _Whole:
     content: Content
 
 
-_PARTS = (_Whole, Content, RobotFile, WrittenSkill, Gaussian, Relevance, SeenMovement, Site, Object)
+_PARTS = (
+    *(_Whole, Content, RobotFile, WrittenSkill, Gaussian, Relevance, SeenMovement),
+    *(Site, Object, Chain),
+)
 _RECIPES = (InterventionRecipe, PursuitRecipe, TimedRecipe, HorizonRecipe, FixedRecipe)
 _VIEWS = (SiteView, Direction, Bearing, Joints, Spare, Part, Offset, Beneath)
 

@@ -29,7 +29,7 @@ class RobotFile:
         Rotation and position [m] of each joint in its parent.
     masses, centres, inertias : (n,), (n, 3), (n, 3, 3)
         Of each link in its joint [kg], [m], [kg m^2].
-    armature, damping, springs, slack, home : (n,)
+    armature, damping, friction, springs, slack, home : (n,)
     lower, upper, velocity_limit, torque_limit : (n,)
     gravity : (3,)
         [m/s^2]
@@ -49,6 +49,7 @@ class RobotFile:
     inertias: np.ndarray
     armature: np.ndarray
     damping: np.ndarray
+    friction: np.ndarray
     springs: np.ndarray
     slack: np.ndarray
     home: np.ndarray
@@ -66,7 +67,9 @@ class RobotFile:
         n, k = len(self.joints), len(self.sites)
         shapes = {"axes": (n, 3), "placements": (n, 3, 4), "masses": (n,), "centres": (n, 3)}
         shapes |= {"inertias": (n, 3, 3), "gravity": (3,), "site_placements": (k, 3, 4)}
-        shapes |= dict.fromkeys(("armature", "damping", "springs", "slack", "home"), (n,))
+        shapes |= dict.fromkeys(
+            ("armature", "damping", "friction", "springs", "slack", "home"), (n,)
+        )
         shapes |= dict.fromkeys(("lower", "upper", "velocity_limit", "torque_limit"), (n,))
         for name, shape in shapes.items():
             if getattr(self, name).shape != shape:
@@ -98,7 +101,7 @@ class RobotFile:
             np.array([link.lever for link in links]),
             np.array([link.inertia for link in links]),
             np.array(model.armature),
-            *(robot.damping, robot.springs, robot.slack, robot.home),
+            *(robot.damping, robot.friction, robot.springs, robot.slack, robot.home),
             *(robot.lower, robot.upper, robot.velocity_limit, robot.torque_limit),
             np.array(model.gravity.linear),
             dict(robot.hands),
@@ -126,7 +129,7 @@ class RobotFile:
         return Mechanism(
             *(model, sites, self.joints, dict(self.hands)),
             *(self.lower, self.upper, self.velocity_limit, self.torque_limit),
-            *(self.home, self.damping, self.springs, self.slack),
+            *(self.home, self.damping, self.friction, self.springs, self.slack),
         )
 
 

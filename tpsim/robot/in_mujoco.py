@@ -59,6 +59,7 @@ def found_in(
         torque_limit=torque_limit,
         home=np.array(description.home, float),
         damping=model.dof_damping[dof].copy(),
+        friction=model.dof_frictionloss[dof].copy(),
         springs=model.jnt_stiffness[ids].copy(),
         slack=model.qpos_spring[qpos].copy(),
     )

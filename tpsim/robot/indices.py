@@ -1,7 +1,8 @@
 """Where joints stand in q, by name."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,20 +12,42 @@ from tpsim.errors import ArgumentError
 LONGEST = 1000
 """Letters in the name of a joint, at most."""
 
-Names = str | tuple[str, ...]
+
+@dataclass(frozen=True)
+class Chain:
+    """The joints that move a site, whatever they are called.
+
+    Parameters
+    ----------
+    site : str
+    """
+
+    site: str
+
+
+Names = str | tuple[str, ...] | Chain
 
 
 class Indices:
-    """Indices in q of the joints of a robot; each name is looked up once."""
+    """Indices in q of the joints of a robot; each name is looked up once.
 
-    def __init__(self, joints: tuple[str, ...]):
-        self._joints = joints
+    Parameters
+    ----------
+    joints : tuple of str
+    chain : callable
+        Indices (k,) of the joints that move a site.
+    """
+
+    def __init__(self, joints: tuple[str, ...], chain: Callable[[str], np.ndarray]):
+        self._joints, self._chain = joints, chain
         self._found: dict[Names, np.ndarray] = {}
         self._spans: dict[Names, slice | np.ndarray] = {}
 
     def find(self, joints: Names) -> np.ndarray:
-        """Indices (k,) of a regular expression that matches whole names, or of names."""
-        joints = joints if isinstance(joints, str) else tuple(several("joints", joints, str))
+        """Indices (k,) of a regular expression that matches whole names, of names, or a chain."""
+        joints = _hashable(joints)
+        if isinstance(joints, Chain):
+            return self._found.setdefault(joints, self._chain(joints.site))
         if joints not in self._found:
             names = (joints,) if isinstance(joints, str) else joints
             found = [
@@ -42,10 +65,16 @@ class Indices:
 
     def span(self, joints: Names) -> slice | np.ndarray:
         """The same indices as a slice, where they follow each other."""
-        joints = joints if isinstance(joints, str) else tuple(several("joints", joints, str))
+        joints = _hashable(joints)
         if joints not in self._spans:
             self._spans[joints] = as_slice(self.find(joints))
         return self._spans[joints]
+
+
+def _hashable(joints: Names) -> Names:
+    if isinstance(joints, str | Chain):
+        return joints
+    return tuple(several("joints", joints, str))
 
 
 def as_slice(indices: Sequence[int] | np.ndarray) -> slice | np.ndarray:

@@ -13,6 +13,7 @@ from tpsim.checks import shown
 from tpsim.errors import ArgumentError
 from tpsim.robot.actuators import torque_motors
 from tpsim.robot.assets import embed
+from tpsim.robot.gripper import Gripper, add_grippers
 from tpsim.robot.holding import check_holds, exclude_touching
 from tpsim.robot.home import Home, keyframe, known_positions, rest
 from tpsim.robot.kinematic_chain import arm_joints
@@ -65,7 +66,7 @@ class Source:
 def take_in(
     source: str | Path | mujoco.MjSpec,
     *,
-    hands: Mapping[str, str],
+    hands: Mapping[str, str | Gripper],
     torque_limit: Limit = None,
     velocity_limit: Limit = None,
     home: Home = None,
@@ -77,9 +78,9 @@ def take_in(
     ----------
     source : str, Path or MjSpec
         Path of an MJCF file, MJCF text (it starts with ``<``), or a spec, which is not changed.
-    hands : mapping of str to str
-        Site of each hand by the hand's name. The joints between the world and the hands are the
-        arm joints, n.
+    hands : mapping of str to str or Gripper
+        Site of each hand by the hand's name, or where it grips. The joints between the world and
+        the hands are the arm joints, n.
     torque_limit : number, mapping, (n,) or None
         Nm or N, see :data:`~tpsim.robot.limits.Limit`. ``None``, and joints that a mapping leaves
         out: what the file states by forcerange, actuatorfrcrange, ctrlrange and gear.
@@ -98,14 +99,14 @@ def take_in(
         If the source does not compile, or cannot be a torque-controlled arm: one line says why,
         what the file has, and what to do.
     """
-    border.read("hands", hands, Mapping[str, str])
+    border.read("hands", hands, Mapping[str, str | Gripper])
     return _take_in(read(source), hands, torque_limit, velocity_limit, home, others)
 
 
 def take_in_urdf(
     path: str | Path,
     *,
-    hands: Mapping[str, str],
+    hands: Mapping[str, str | Gripper],
     packages: Mapping[str, str | Path] | None = None,
     torque_limit: Limit = None,
     velocity_limit: Limit = None,
@@ -120,8 +121,9 @@ def take_in_urdf(
     ----------
     path : str or Path
         The URDF file.
-    hands : mapping of str to str
-        Link of each hand by the hand's name; its site gets the link's name and frame.
+    hands : mapping of str to str or Gripper
+        Link of each hand by the hand's name, where its site gets the link's name and frame; or
+        where it grips.
     packages : mapping of str to path, optional
         See :func:`~tpsim.robot.urdf.read_urdf`.
     torque_limit, velocity_limit, home
@@ -132,7 +134,7 @@ def take_in_urdf(
     ArgumentError
         If the file cannot be read or be a torque-controlled arm; one line says why.
     """
-    border.read("hands", hands, Mapping[str, str])
+    border.read("hands", hands, Mapping[str, str | Gripper])
     border.read("packages", packages, Mapping[str, str | Path] | None)
     path = checks.path("path", path)
     draft = read_urdf(path, packages, hands.values())
@@ -143,7 +145,7 @@ def take_in_urdf(
 
 def _take_in(
     draft: Draft,
-    hands: Mapping[str, str],
+    grips: Mapping[str, str | Gripper],
     torque_limit: Limit,
     velocity_limit: Limit,
     home: Home,
@@ -152,6 +154,7 @@ def _take_in(
     if not isinstance(others, str) or others not in ("locked", "servo"):
         raise ArgumentError(f"others is {shown(others)}, but must be 'locked' or 'servo'")
     spec = draft.spec
+    hands = add_grippers(spec, grips)
     name_elements(spec)
     model = compiled(spec)
     assets = embed(spec, model)

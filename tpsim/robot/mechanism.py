@@ -16,7 +16,7 @@ class Mechanism:
         Its q (n,) and v (n,) are the joints in their order; armature is included.
     sites : dict of str to int
         Pinocchio's frame id of every site that the robot carries, and of those in the world.
-    joints, hands, lower, upper, velocity_limit, torque_limit, home, damping
+    joints, hands, lower, upper, velocity_limit, torque_limit, home, damping, friction
         As :class:`tpsim.robot.robot.Robot` has them.
     springs, slack : (n,)
         Stiffness [Nm/rad] of the joints' own springs, and where they are slack [rad].
@@ -32,5 +32,6 @@ class Mechanism:
     torque_limit: np.ndarray
     home: np.ndarray
     damping: np.ndarray
+    friction: np.ndarray
     springs: np.ndarray
     slack: np.ndarray

@@ -24,12 +24,17 @@ if TYPE_CHECKING:
     import mujoco
 
     from tpsim.robot.description import Description
+    from tpsim.robot.gripper import Gripper
     from tpsim.robot.home import Home
     from tpsim.robot.in_mujoco import InMujoco
     from tpsim.robot.intake import Source
     from tpsim.robot.limits import Limit
 
 _ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+
+
+RUBBING = 0.05
+"""Speed [rad/s] about which friction is compensated: below it, less of it is."""
 
 
 class Robot:
@@ -51,8 +56,9 @@ class Robot:
         Limits in rad, rad/s, Nm (m, m/s, N for slides); infinite where there is none.
     home : (n,)
         Home posture [rad].
-    damping : (n,)
-        Viscous damping of the joints [Nms/rad], which controllers compensate.
+    damping, friction : (n,)
+        Viscous damping [Nms/rad] and Coulomb friction [Nm] of the joints, which controllers
+        compensate.
     """
 
     def __init__(self, mechanism: Mechanism, simulated: "InMujoco | None" = None):
@@ -62,10 +68,11 @@ class Robot:
         self._pin = mechanism.model
         self._dynamics, self._kinematics = self._pin.createData(), self._pin.createData()
         self._placed: State | None = None
-        self._indices = Indices(self.joints)
+        self._indices = Indices(self.joints, self.chain)
         self.lower, self.upper, self.home = mechanism.lower, mechanism.upper, mechanism.home
         self.velocity_limit = mechanism.velocity_limit
         self.torque_limit, self.damping = mechanism.torque_limit, mechanism.damping
+        self.friction, self.has_friction = mechanism.friction, bool(mechanism.friction.any())
         self._springs, self._slack = mechanism.springs, mechanism.slack
         self._sprung = bool(self._springs.any())
         self._below = np.tril_indices(self.n, -1)
@@ -89,7 +96,7 @@ class Robot:
     def from_mjcf(
         cls,
         source: "str | Path | mujoco.MjSpec",
-        hands: Mapping[str, str],
+        hands: "Mapping[str, str | Gripper]",
         *,
         torque_limit: "Limit" = None,
         velocity_limit: "Limit" = None,
@@ -102,8 +109,9 @@ class Robot:
         ----------
         source : path, MJCF text or MjSpec
             Meshes, includes and defaults are resolved.
-        hands : mapping of str to str
-            Site of each hand; the joints between the world and these sites are the arms.
+        hands : mapping of str to str or Gripper
+            Site of each hand, or where it grips: a site called as the hand is then added. The
+            joints between the world and these sites are the arms.
         torque_limit, velocity_limit : optional
             [Nm], [rad/s]: a number, one for each joint (n,), or by joint name or regular
             expression; by default what the file says.
@@ -121,11 +129,11 @@ class Robot:
         from tpsim.robot.intake import take_in
 
         limits = {"torque_limit": torque_limit, "velocity_limit": velocity_limit}
-        return cls._of(take_in(source, hands=hands, home=home, others=others, **limits))
+        return cls.of_source(take_in(source, hands=hands, home=home, others=others, **limits))
 
     @classmethod
-    def _of(cls, found: "Source") -> "Robot":
-
+    def of_source(cls, found: "Source") -> "Robot":
+        """Robot of what the intake took over."""
         from tpsim.robot.description import Description
         from tpsim.robot.reading import compiled_text
 
@@ -136,7 +144,7 @@ class Robot:
     def from_urdf(
         cls,
         path: str | Path,
-        hands: Mapping[str, str],
+        hands: "Mapping[str, str | Gripper]",
         *,
         packages: Mapping[str, str | Path] | None = None,
         torque_limit: "Limit" = None,
@@ -151,7 +159,9 @@ class Robot:
         from tpsim.robot.intake import take_in_urdf
 
         limits = {"torque_limit": torque_limit, "velocity_limit": velocity_limit}
-        return cls._of(take_in_urdf(path, hands=hands, home=home, packages=packages, **limits))
+        return cls.of_source(
+            take_in_urdf(path, hands=hands, home=home, packages=packages, **limits)
+        )
 
     @property
     def simulated(self) -> "InMujoco":
@@ -215,7 +225,7 @@ class Robot:
         return found
 
     def index(self, joints: Names) -> np.ndarray:
-        """Indices (k,) in q of joints: a regular expression that matches whole names, or names.
+        """Indices (k,) in q of joints: a regular expression of whole names, names, or a chain.
 
         Raises
         ------
@@ -239,6 +249,14 @@ class Robot:
         q = self.posture("q", q)
         torque = pin.computeGeneralizedGravity(self._pin, self._dynamics, q)
         return self._with_springs(torque, q) if self._sprung else torque
+
+    def friction_torque(self, dq: np.ndarray) -> np.ndarray:
+        """Torque (n,) [Nm] against the joints' friction at dq (n,), smooth about rest.
+
+        ``friction * tanh(dq / RUBBING)``: never more than what friction takes.
+        """
+        torque: np.ndarray = self.friction * np.tanh(dq / RUBBING)
+        return torque
 
     def potential_energy(self, q: np.ndarray) -> float:
         """Energy [J] of gravity and of the joints' own springs at q (n,)."""

@@ -7,6 +7,7 @@ from pathlib import Path
 import mujoco
 
 from tpsim.errors import ArgumentError
+from tpsim.robot.gripper import Gripper
 from tpsim.robot.reading import Draft, parsed
 from tpsim.robot.urdf_links import make_physical
 
@@ -21,7 +22,9 @@ _UNSUPPORTED = {"planar", "floating"}
 
 
 def read_urdf(
-    path: str | Path, packages: Mapping[str, str | Path] | None, hands: Collection[str]
+    path: str | Path,
+    packages: Mapping[str, str | Path] | None,
+    hands: Collection[str | Gripper],
 ) -> Draft:
     """Read a URDF file.
 
@@ -35,8 +38,8 @@ def read_urdf(
     packages : mapping of str to path or None
         Folder of each package that ``package://`` names; without it, folders above the file are
         searched.
-    hands : collection of str
-        Links at whose frames a site is added, called as the link.
+    hands : collection of str or Gripper
+        Links at whose frames a site is added, called as the link; grippers are left to others.
 
     Raises
     ------
@@ -61,14 +64,14 @@ def read_urdf(
     return Draft(spec, _velocity_limits(robot), tuple(changes))
 
 
-def _add_hand_sites(spec: mujoco.MjSpec, names: Collection[str]) -> None:
+def _add_hand_sites(spec: mujoco.MjSpec, hands: Collection[str | Gripper]) -> None:
     """Add a site at the frame of each named link, called as the link."""
     links = ", ".join(body.name for body in spec.bodies[1:])
-    if not names:
+    if not hands:
         raise ArgumentError(
             f"hands is empty: name a link for each hand, hands={{'hand': 'link'}}; they are {links}"
         )
-    for name in sorted(set(names)):
+    for name in sorted({hand for hand in hands if isinstance(hand, str)}):
         link = spec.body(name)
         if link is None:
             raise ArgumentError(f"a hand is at '{name}', which is no link: {links} are")

@@ -7,7 +7,7 @@ from typing import Annotated
 import mujoco
 import numpy as np
 
-from tpsim.border import Point, Range, border, checked
+from tpsim.border import Point, Positive, Range, border, checked
 from tpsim.errors import SimulationError, one_line
 from tpsim.robot.robot import Robot
 from tpsim.scene.parts import camera as add_camera
@@ -55,11 +55,14 @@ class Placed:
         [m]
     paint : (3,), optional
         Red, green, blue of what the model paints.
+    size : float
+        Factor on the model, whose shapes are then primitive ones.
     """
 
     model: str
     position: Point = (0.0, 0.0, 0.0)
     paint: Point | None = None
+    size: Positive = 1.0
 
     def __post_init__(self) -> None:
         checked(self)
@@ -136,7 +139,8 @@ def _furnish(
 ) -> None:
     for k, (name, thing) in enumerate(objects.items()):
         placed = Placed(thing) if isinstance(thing, str) else thing
-        place(spec, placed.model, name, placed.position, placed.paint or PAINTS[k % len(PAINTS)])
+        paint = placed.paint or PAINTS[k % len(PAINTS)]
+        place(spec, placed.model, name, placed.position, paint, placed.size)
     for name, item in held.items():
         hold(spec, item.model, name, item.site, item.position, item.axes)
     for name, view in cameras.items():

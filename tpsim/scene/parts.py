@@ -33,13 +33,14 @@ def place(
     name: str,
     position: Sequence[float],
     paint: Sequence[float] | None = None,
+    size: float = 1.0,
 ) -> None:
     """Put ``models/<model>.xml`` into the world under ``name``, at ``position (3,)`` m.
 
-    ``paint`` (r, g, b) colours what the model paints; a model that is a mocap body can be moved
-    while a simulation runs.
+    ``paint`` (r, g, b) colours what the model paints; ``size`` is a factor on its shapes; a model
+    that is a mocap body can be moved while a simulation runs.
     """
-    _attach(spec, model, name, spec.worldbody.add_frame(pos=position))
+    _attach(spec, model, name, spec.worldbody.add_frame(pos=position), size)
     painted = spec.material(f"{name}_paint")
     if paint is not None and painted is not None:
         painted.rgba = (*paint, 1)
@@ -168,13 +169,19 @@ def camera(
     spec.worldbody.add_camera(name=name, pos=position, quat=quaternion, fovy=fovy)
 
 
-def _attach(spec: mujoco.MjSpec, model: str, name: str, frame: mujoco.MjsFrame) -> None:
+def _attach(
+    spec: mujoco.MjSpec, model: str, name: str, frame: mujoco.MjsFrame, size: float = 1.0
+) -> None:
     """Attach a model at ``frame``; its body, and what is called as this, is called ``name`` here.
 
     MjSpec cannot save models attached without a prefix, so all other names get ``<name>_``.
     """
     child = read(model)
     (body,) = child.worldbody.bodies
+    if size != 1.0:
+        for geom in child.geoms:
+            geom.pos, geom.size = size * geom.pos, size * geom.size
+            geom.fromto = size * geom.fromto
     inside = body.name
     spec.attach(child, frame=frame, prefix=f"{name}_")
     for kind in (spec.body, spec.geom, spec.site):

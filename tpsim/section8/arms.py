@@ -7,6 +7,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from tpsim import rotation
+from tpsim.catalogue.ours import planar3
 from tpsim.demonstration import Demonstration
 from tpsim.frame import Frame
 from tpsim.learning.dtw import align
@@ -16,7 +17,7 @@ from tpsim.section8.families import FAMILIES, Situation
 from tpsim.task.task import Situation as TaskSituation
 from tpsim.task.task import draw_situation
 from tpsim.task.verbs import teach
-from tpsim.tasks.robots import on_the_floor, planar3
+from tpsim.tasks.planar import on_the_floor
 from tpsim.tasks.transfer import docks
 from tpsim.tasks.transfer.task import Transfer, arm, lesson_between
 from tpsim.world.object_path import ObjectPath

@@ -1,7 +1,6 @@
 """Does a run repeat? Its trials are performed again, from its own folder alone."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -131,7 +130,7 @@ def study_of(run: Run, study: Study | None = None) -> Study:
         raise ArgumentError(
             f"{run.folder} is of the task '{task.name}', the study is of '{recorded.name}'"
         )
-    return replace(study, task=recorded.in_world(run.world))
+    return study.about(recorded.in_world(run.world))
 
 
 def _pairs(

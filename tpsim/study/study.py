@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -152,6 +153,9 @@ class Study:
     contest : Contest, optional
         How experts and other controllers are compared with what was learned; its experts are
         controllers of the study.
+    of : callable, optional
+        ``of(task) -> Study``: the study of a task with other fields, where these count for more
+        than for its measures and controllers.
     reference : str
         Where it is from, such as ``"my_task.py:study"``; filled in by
         :func:`~tpsim.study.reference.load_study`, and part of ``run.json``.
@@ -168,6 +172,7 @@ class Study:
     clips: Callable[[Lab, Records], Sequence[Clip | Sequence[Clip]]] | None = None
     show: Callable[[World, Condition, np.random.Generator], Lesson] | None = None
     contest: Contest | None = None
+    of: "Callable[[Any], Study] | None" = None
     reference: str = ""
 
     def __post_init__(self) -> None:
@@ -198,4 +203,11 @@ class Study:
 
     def with_task(self, **fields: object) -> "Study":
         """The same study of a task with other fields."""
-        return replace(self, task=replace(self.task, **fields))  # type: ignore[type-var]
+        return self.about(replace(self.task, **fields))  # type: ignore[type-var]
+
+    @border
+    def about(self, task: Task) -> "Study":
+        """The same study of another task of its kind."""
+        if self.of is None:
+            return replace(self, task=task)
+        return replace(self.of(task), reference=self.reference)

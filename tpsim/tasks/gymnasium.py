@@ -1,6 +1,6 @@
 """The built-in tasks under ids of Gymnasium; importing this module registers them.
 
-``tpsim/CupAndSugar-v0``, ``tpsim/PointingBaxter-v0`` and so on, one for each of
+``tpsim/CupAndSugar-v0``, ``tpsim/Pointing-v0`` and so on, one for each of
 :data:`tpsim.tasks.STUDIES`:
 
 >>> import gymnasium

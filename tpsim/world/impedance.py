@@ -137,6 +137,8 @@ class Drive:
                 self._wanted = self._wanted + self._lead
         # For a matrix so small, @ costs twice as much.
         torque: np.ndarray = self._wanted - self._gain.dot(state.x) + state.bias
+        if self._robot.has_friction:
+            torque = torque + self._robot.friction_torque(state.dq)
         guard = self._guard.torque(state) if self._guard.wakes(state) else None
         return self._ledger.enter(torque, guard, command, state, self._age, short)
 

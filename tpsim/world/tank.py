@@ -97,8 +97,9 @@ class Energies(NamedTuple):
 class Ledger:
     """The books of one trial: what goes out of the tank, and what must not.
 
-    The work of the motors beyond gravity and the joints' own damping, exact for torques that are
-    held between two steps, is taken from what the controller owns: tank and springs together.
+    The work of the motors beyond gravity and the joints' own damping and friction, exact for
+    torques that are held between two steps, is taken from what the controller owns: tank and
+    springs together.
     While there is enough, torques pass as they are. Springs that would hold more than is owned
     pull less; what leads the movement is scaled to the work that is left. Dampers stay.
 
@@ -194,11 +195,15 @@ class Ledger:
         n = self._robot.n
         rows = np.concatenate((*self._rows, state.x, self._most[n:])).reshape(-1, 3 * n)
         moved = rows[1:, :n] - rows[:-1, :n]
+        rubbed = 0.0
+        if self._robot.has_friction:
+            # What friction takes was given for it.
+            rubbed = float((moved * self._robot.friction_torque(rows[:-1, n : 2 * n])).sum())
         did = np.minimum(np.maximum(rows[:-1, n:], self._least), self._most)
         if not self._ends:
             work, taken = self._weights.dot((moved.T @ did).ravel()).tolist()
-            return work, taken
-        work, taken = 0.0, 0.0
+            return work - rubbed, taken
+        work, taken = -rubbed, 0.0
         ends = [*self._ends, (len(moved), self._weights)]
         for (last, weights), first in zip(ends, [0, *(end for end, _ in ends)], strict=False):
             some = weights.dot((moved[first:last].T @ did[first:last]).ravel()).tolist()
@@ -250,6 +255,8 @@ class Ledger:
         brake = command.damping @ dq
         taken = h * float(brake @ dq)
         damped = state.gravity + self._robot.damping * dq - (brake if taken > 0 else 0.0)
+        if self._robot.has_friction:
+            damped = damped + self._robot.friction_torque(dq)
         rest = torque - spring - damped
         a = h * float(rest @ dq)
         b = h**2 * float(rest @ np.linalg.solve(state.mass, rest))

@@ -47,6 +47,8 @@ class Weightless:
     def command(self, state: State, time: float) -> np.ndarray:
         """Joint torques (n,) [Nm]."""
         torque = state.gravity - self._damping * state.dq
+        if state.robot.has_friction:
+            torque = torque + state.robot.friction_torque(state.dq)
         if self._any:
             rate = HOLD**0.5
             pull = rate**2 * (self._posture - state.q) - 2 * rate * state.dq

@@ -1,13 +1,14 @@
 """A world: a scene with a robot in it, compiled once, from which simulations are made."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import mujoco
+import numpy as np
 
 from tpsim.border import border, checked
-from tpsim.errors import SimulationError
+from tpsim.errors import ArgumentError, SimulationError
 from tpsim.robot.description import Description
 from tpsim.robot.robot import Robot
 from tpsim.world.plant import NOMINAL, Plant
@@ -79,6 +80,33 @@ class World:
     def robot(self) -> Robot:
         """The controller's model of the robot, with what it holds."""
         return Robot.of(self.model, self.description)
+
+    @border
+    def with_home(self, home: np.ndarray) -> "World":
+        """The same world with another home posture (n,) [rad] of the robot.
+
+        Raises
+        ------
+        ArgumentError
+            If it is outside the joint limits, or the motors cannot hold the robot there.
+        """
+        home = self.robot.posture("home", home)
+        outside = (home < self.robot.lower) | (home > self.robot.upper)
+        if outside.any():
+            joint = self.robot.joints[int(outside.argmax())]
+            raise ArgumentError(f"home puts joint '{joint}' outside its range")
+        lacking = np.abs(self.robot.gravity_torque(home)) - self.robot.torque_limit
+        if lacking.max() > 0:
+            joint = self.robot.joints[int(lacking.argmax())]
+            raise ArgumentError(
+                f"the robot cannot hold itself up at home: joint '{joint}' lacks "
+                f"{lacking.max():.1f} Nm; give it another home, or stronger motors"
+            )
+        there = replace(self.description, home=tuple(home.tolist()))
+        made = replace(self, description=there)
+        # Not a field of the value; compiling again would give the same.
+        made.__dict__["model"] = self.model
+        return made
 
     @property
     def timestep(self) -> float:

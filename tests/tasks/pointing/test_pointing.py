@@ -143,7 +143,7 @@ def test_goals_are_the_views_that_are_controlled():
 
 def test_the_same_code_teaches_the_gripper_of_baxter():
     task = Pointing(robot="baxter")
-    assert task.name == "pointing-baxter"
+    assert task.name == "pointing"
     lesson = task.shown_by(task.stage, np.random.default_rng(0))
     short = replace(lesson, duration=PHASES["first"][1])
     trial = demonstrate(task.stage, short, task.sites())

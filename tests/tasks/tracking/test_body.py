@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from tpsim.catalogue.ours import planar5
 from tpsim.errors import ArgumentError
-from tpsim.tasks.robots import planar5
 from tpsim.tasks.tracking.body import Body
 
 BODY = Body(0.35, 0.3)

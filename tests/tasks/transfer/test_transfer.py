@@ -43,15 +43,15 @@ def elsewhere(situation, positions, times):
 
 
 def test_far_situations_are_twice_as_far_as_taught_ones_from_each_other():
-    rng = np.random.default_rng(0)
+    rng, robot = np.random.default_rng(0), Transfer().stage.robot
 
     def displacement(far):
-        placed = docks.draw(rng, far)
+        placed = docks.draw(robot, rng, far)
         parts = []
-        for name, (position, heading) in docks.HOME.items():
+        for name, (R_home, p_home) in docks.home(robot).items():
             R, p = placed[name]
-            turn = rotation.log(R @ rotation.exp([0, 0, -heading]))
-            parts += [*((p - position) / docks.RANGE[:3]), *(turn / docks.RANGE[3:])]
+            turn = rotation.log(R @ R_home.T)
+            parts += [*((p - p_home) / docks.RANGE[:3]), *(turn / docks.RANGE[3:])]
         return np.array(parts)
 
     one, other, far = (

@@ -99,6 +99,29 @@ def _robot(book: Book) -> None:
         home={"j": 0.1},
         **limits,
     )
+    grip = lab.Gripper("tip", (0.01, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    add(
+        "lab.Gripper",
+        lab.Gripper,
+        at="tip",
+        position=(0.01, 0.0, 0.0),
+        reach=(1.0, 0.0, 0.0),
+        across=(0.0, 1.0, 0.0),
+    )
+    add("lab.Chain", lab.Chain, site="tip")
+    add(
+        "lab.Arms",
+        lab.Arms,
+        takes={"torque_limit": {"no dict"}, "velocity_limit": {"no dict"}},
+        words=("limits", "file", "MJCF", "arms"),
+        file=ARM,
+        grippers={"left": grip},
+        elbows={},
+        torque_limit=30.0,
+        velocity_limit=2.0,
+        home=(0.4, 0.9),
+    )
+    add("lab.Arms.robot", lab.Arms(ARM, {"left": grip}, torque_limit=30.0, home=(0.4, 0.9)).robot)
     add("lab.Robot.at", ROBOT.at, q=START, dq=0.1 * START, objects=OBJECTS, time=0.1)
     add("lab.Robot.chain", ROBOT.chain, site="tip")
     add("lab.Robot.index", ROBOT.index, joints="sh.*")
@@ -224,6 +247,7 @@ def _worlds(book: Book) -> None:
         assets=dict(WORLD.assets),
     )
     add("lab.World.compose", lab.World.compose, robot=robot, spec=None)
+    add("lab.World.with_home", WORLD.with_home, home=START)
     add("lab.World.simulation", WORLD.simulation, plant=lab.Plant(mass=0.1))
     add(
         "lab.Plant",
@@ -759,6 +783,7 @@ def _studies(book: Book) -> None:
         title="t",
         lead="l",
     )
+    add("lab.Study.about", STUDY.about, words=("task", "study"), task=TASK)
     add(
         "lab.Study.with_task",
         STUDY.with_task,

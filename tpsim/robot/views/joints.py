@@ -7,6 +7,7 @@ import numpy as np
 from tpsim.border import Positive, checked
 from tpsim.checks import finite_array
 from tpsim.errors import ArgumentError
+from tpsim.robot.indices import Names
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 from tpsim.robot.views.view import DAMPING, Seen, View, stacked_rows, through_nullspace
@@ -20,11 +21,12 @@ class Joints(View):
 
     Parameters
     ----------
-    names : str or tuple of str
-        A regular expression that matches whole joint names, or names. All joints by default.
+    names : str, tuple of str or Chain
+        A regular expression that matches whole joint names, names, or all joints that move a
+        site. All joints by default.
     """
 
-    names: str | tuple[str, ...] = ".*"
+    names: Names = ".*"
 
     def __post_init__(self) -> None:
         checked(self)
@@ -77,7 +79,7 @@ class Spare(View):
 
     Parameters
     ----------
-    names : str or tuple of str
+    names : str, tuple of str or Chain
         The joints.
     first : tuple of View
         What has priority.
@@ -90,7 +92,7 @@ class Spare(View):
         Singular value of the first Jacobian below which its nullspace grows.
     """
 
-    names: str | tuple[str, ...]
+    names: Names
     first: tuple[View, ...]
     origin: tuple[float, ...] | None = None
     free: tuple[str, ...] = ()

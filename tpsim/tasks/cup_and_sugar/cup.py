@@ -3,6 +3,7 @@
 import numpy as np
 
 from tpsim.pose import Pose
+from tpsim.robot.indices import Chain
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Site
 from tpsim.task.task import Goal
@@ -16,7 +17,7 @@ CUP, LEFT = Site("cup"), Site("left_gripper")
 
 VIEWS = {
     "cup in base": CUP.pose,
-    "left posture": Joints("left_.*").spare(LEFT.pose),
+    "left posture": Joints(Chain(LEFT.name)).spare(LEFT.pose),
 }
 """Candidate frames: the cup in the robot's base (Eq. 40), and what the arm does with its
 redundancy (Eq. 42)."""
@@ -39,9 +40,6 @@ SECONDS = {"firm": (6.0, 8.0), "human": (10.0, 14.0)}
 VIAS = 4
 """Poses that the hand passes after the first one."""
 
-ASIDE = np.array([-0.08, -0.42, 0.12])
-"""Where the right hand waits, from its home [m]."""
-
 
 def via_poses(
     hands: Hands,
@@ -57,6 +55,7 @@ def via_poses(
     """
     R_home, p_home = hands.cup
     rotations, positions = [], []
+    workspace = hands.within(workspace)
     for _ in range(VIAS + 1):
         offset = workspace.offset(rng)
         if level is not None:
@@ -73,17 +72,13 @@ def lesson(
     *,
     level: float | None = None,
     teacher: TeacherName = "firm",
+    room: float = 1.0,
 ) -> Lesson:
     """Draw one demonstration: the left hand is led, the right one waits aside."""
-    hands = Hands(world, teacher)
+    hands = Hands(world, teacher, room)
     rotations, positions = via_poses(hands, rng, workspace, level=level)
-    R_sugar, p_sugar = hands.sugar
-    start = hands.reach(
-        rng,
-        workspace.elbow,
-        cup=Pose(rotations[0], positions[0]),
-        sugar=Pose(R_sugar, p_sugar + ASIDE),
-    )
+    first = Pose(rotations[0], positions[0])
+    start = hands.reach(rng, workspace.elbow, cup=first, sugar=hands.aside)
     seconds = rng.uniform(*SECONDS[teacher])
     care = TILT if level is None else HEIGHT
     guide = hands.guide("cup", rotations, positions, seconds, rng, care=care)
@@ -93,5 +88,4 @@ def lesson(
 def start(hands: Hands, rng: np.random.Generator, workspace: Workspace = TAUGHT) -> np.ndarray:
     """Start posture (n,) of an unseen situation: cup level somewhere, right hand aside."""
     cup = hands.level_cup(rng, workspace)
-    R_sugar, p_sugar = hands.sugar
-    return hands.reach(rng, workspace.elbow, cup=cup, sugar=Pose(R_sugar, p_sugar + ASIDE))
+    return hands.reach(rng, workspace.elbow, cup=cup, sugar=hands.aside)

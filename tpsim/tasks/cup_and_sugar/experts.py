@@ -20,14 +20,13 @@ from tpsim.study.expert import Expert, Gains, Range, tuned
 from tpsim.study.record import Record
 from tpsim.task.task import Situation, Task
 from tpsim.tasks.cup_and_sugar import cup, sugar
-from tpsim.tasks.cup_and_sugar.conditions import DIRECTIONS, PUSH, TRAVEL
+from tpsim.tasks.cup_and_sugar.conditions import DIRECTIONS, PUSH, way_led
 from tpsim.tasks.cup_and_sugar.hands import Hands
 from tpsim.tasks.cup_and_sugar.measures import tilt
+from tpsim.tasks.cup_and_sugar.task import CupAndSugar
+from tpsim.tasks.workplace import gains_of, size_of
 from tpsim.world.people.push import Push
 from tpsim.world.world import World
-
-GAINS = Path(__file__).with_name("gains.json")
-"""Gains as they were tuned on cup-and-sugar."""
 
 _POSTURE, _DAMPING = Range(1.0, 30.0, "1/s^2"), Range(0.5, 1.5)
 
@@ -66,8 +65,8 @@ def _computed(world: World, situation: Situation, gains: Gains) -> ComputedTorqu
     return ComputedTorque(np.array(situation.start), gains["joints"], damping=gains["damping"])
 
 
-def experts(taught: Sequence[str]) -> dict[str, Expert]:
-    """Experts for one or both behaviours."""
+def experts(taught: Sequence[str], gains: Path) -> dict[str, Expert]:
+    """Experts for one or both behaviours, with the gains of a file."""
 
     def cartesian(world: World, situation: Situation, gains: Gains) -> CartesianImpedance:
         return _cartesian(taught, world, situation, gains)
@@ -100,19 +99,18 @@ def experts(taught: Sequence[str]) -> dict[str, Expert]:
             {"joints": Range(10.0, 4000.0, "1/s^2"), "damping": _DAMPING}, _computed
         ),
     }
-    return tuned(found, GAINS)
+    return tuned(found, gains)
 
 
 def _pushes(task: Task, situation: Situation, rng: np.random.Generator) -> list[Push]:
     """The left hand along each axis: one way or the other, in turn with the situations."""
-    ways = PUSH * DIRECTIONS[situation.index % 2 :: 2]
+    ways = PUSH * size_of(task.stage.robot) * DIRECTIONS[situation.index % 2 :: 2]
     return [Push("left_gripper", tuple(way.tolist()), start=0.3) for way in ways]
 
 
 def _lead(task: Task, situation: Situation, rng: np.random.Generator) -> Lead:
-    heading = rng.uniform(0, 2 * np.pi)
-    travel = TRAVEL * np.array([np.cos(heading), np.sin(heading), 0.0])
-    return Lead("left_gripper", (0, 0, 0), tuple(travel.tolist()), 0.3, 1.5, 0.5)
+    travel = way_led(task, rng.uniform(0, 2 * np.pi))
+    return Lead("left_gripper", (0, 0, 0), travel, 0.3, 1.5, 0.5)
 
 
 def _offset(record: Record) -> np.ndarray:
@@ -129,16 +127,21 @@ def variants(task: Task) -> dict[str, Task]:
     return {f"friction {f:g} Ns/m": replace(task, friction=f) for f in frictions}  # type: ignore[type-var]
 
 
-def contest(taught: Sequence[str]) -> Contest:
+YIELDING = 130.0
+"""How far the pushed hand of arms of size 1 is to give way [mm]."""
+
+
+def contest(task: CupAndSugar) -> Contest:
     """The contest of one or both behaviours: pushes on the left hand, which then is led."""
-    errors = [error for error, name in ((TILT, "cup"), (OFFSET, "sugar")) if name in taught]
+    errors = [error for error, name in ((TILT, "cup"), (OFFSET, "sugar")) if name in task.taught]
+    gains = gains_of(__file__, task.robot)
     return Contest(
         errors,
         _pushes,
         _lead,
-        experts(taught),
-        GAINS,
-        yielding=130.0,
+        experts(task.taught, gains),
+        gains,
+        yielding=YIELDING * task.size,
         duration=2.4,
         twins=False,
         apart=False,

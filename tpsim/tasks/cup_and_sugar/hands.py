@@ -6,6 +6,7 @@ import numpy as np
 
 from tpsim import rotation
 from tpsim.pose import Pose
+from tpsim.tasks.workplace import size_of
 from tpsim.world.people.care import Care
 from tpsim.world.people.demonstrator import FIRM, HUMAN, Demonstrator, TeacherName
 from tpsim.world.people.guide import Grip, Guide
@@ -23,6 +24,10 @@ WATCHING = {
 """Who keeps one object at its place by another, watching; firm hands are firmer then, and finer."""
 
 
+ASIDE = np.array([-0.08, -0.42, 0.12])
+"""Where the right hand waits, from its home, of arms of size 1 [m]."""
+
+
 @dataclass(frozen=True)
 class Workspace:
     """Where a hand may be, about its home. Ranges are uniform and to both sides.
@@ -30,7 +35,7 @@ class Workspace:
     Parameters
     ----------
     position : (3,) tuple
-        m.
+        Of arms of size 1, as tasks state it [m].
     yaw, tilt : float
         About the vertical, and about any horizontal axis [rad].
     elbow : float
@@ -42,6 +47,11 @@ class Workspace:
     yaw: float = 0.6
     tilt: float = 0.0
     elbow: float = 0.35
+
+    def of_size(self, scale: float, room: float) -> "Workspace":
+        """For arms of another size, and with less room, which is less to turn, too."""
+        x, y, z = (scale * room * extent for extent in self.position)
+        return replace(self, position=(x, y, z), yaw=room * self.yaw, tilt=room * self.tilt)
 
     def offset(self, rng: np.random.Generator) -> np.ndarray:
         """A displacement (3,) [m] within the range."""
@@ -65,19 +75,24 @@ class Hands:
     world : World
     teacher : str
         Whose hands lead them.
+    room : float
+        Share of the workspace that arms of this length usually reach.
 
     Attributes
     ----------
+    size, room : float
+        Of the arms, and share of their workspace.
     cup, sugar : Pose
         At home.
     above : Pose
         The sugar's place above the cup, in the cup's frame, at home.
-    left, right : tuple of str
-        Joints of each arm.
+    right : tuple of str
+        Joints of the right arm.
     """
 
-    def __init__(self, world: World, teacher: TeacherName = "firm"):
+    def __init__(self, world: World, teacher: TeacherName = "firm", room: float = 1.0):
         self._teacher = teacher
+        self.size, self.room = size_of(world.robot), room
         self._world, robot = world, world.robot
         home = robot.at_home
         self.cup, self.sugar = home.pose("cup"), home.pose("sugar")
@@ -86,15 +101,23 @@ class Hands:
             "cup": ("left", home.pose("left_gripper").inverse @ self.cup),
             "sugar": ("right", home.pose("right_gripper").inverse @ self.sugar),
         }
-        self.left, self.right = (
-            tuple(robot.joints[i] for i in robot.index(f"{side}_.*")) for side in ("left", "right")
-        )
+        self.right = tuple(robot.joints[i] for i in robot.chain("right_gripper"))
 
     def level_cup(self, rng: np.random.Generator, workspace: Workspace) -> Pose:
         """A pose of the cup somewhere in a workspace, level."""
         R, p = self.cup
-        turn = replace(workspace, tilt=0.0).turn(rng)
-        return Pose(turn @ R, p + workspace.offset(rng))
+        within = replace(self.within(workspace), tilt=0.0)
+        return Pose(within.turn(rng) @ R, p + within.offset(rng))
+
+    def within(self, workspace: Workspace) -> Workspace:
+        """A workspace of arms of size 1, for these arms in their room."""
+        return workspace.of_size(self.size, self.room)
+
+    @property
+    def aside(self) -> Pose:
+        """Where the sugar is while the right hand waits."""
+        R, p = self.sugar
+        return Pose(R, p + self.size * ASIDE)
 
     def reach(self, rng: np.random.Generator, elbow: float, **held: Pose) -> np.ndarray:
         """Posture (n,) that brings ``cup`` and ``sugar`` to poses, elbows drawn at random."""

@@ -12,6 +12,7 @@ from tpsim.study.metrics import displacement, mean_force, push_interval
 from tpsim.study.record import Record, Records
 from tpsim.task.task import Models, Task
 from tpsim.tasks.cup_and_sugar import cup, sugar
+from tpsim.tasks.workplace import size_of
 
 COMPARED: Mapping[str, str] = {"stiff": "stiff fixed gains", "soft": "soft fixed gains"}
 """Controllers beside the learned one, and what reports call them."""
@@ -179,78 +180,87 @@ def _beside(name: str, said: str) -> tuple[Measure, ...]:
     )
 
 
-_ELBOW_AND_LEAD = (
-    Measure(
-        "elbow_displacement_min_mm",
-        of=yielding("right_elbow"),
+def _elbow_and_lead(size: float) -> tuple[Measure, ...]:
+    return (
+        Measure(
+            "elbow_displacement_min_mm",
+            of=yielding("right_elbow"),
+            unit="mm",
+            label="elbow",
+            across=min,
+            limit=20.0 * size,
+            at_least=True,
+            title="Pushed elbow moves, least",
+        ),
+        Measure(
+            "elbow_offset_max_mm",
+            of=offset,
+            unit="mm",
+            label="elbow",
+            window="pushed",
+            limit=5.0,
+            title="Sugar offset while the elbow is pushed",
+        ),
+        Measure(
+            "lead_offset_max_mm",
+            of=offset,
+            unit="mm",
+            label="led",
+            limit=6.0,
+            title="Sugar offset while the left hand is led",
+        ),
+        Measure(
+            "lead_force_mean_N",
+            of=lead_force,
+            unit="N",
+            label="led",
+            across=mean,
+            limit=8.0 * size,
+            title="Force that the leading person feels, mean",
+        ),
+        Measure(
+            "force_ratio",
+            whole=force_ratio,
+            unit="x",
+            limit=3.0,
+            at_least=True,
+            title="Force that leads the hand the same way, stiff gains over learned",
+        ),
+    )
+
+
+def _stays(size: float) -> Measure:
+    return Measure(
+        "stays_max_mm",
+        of=stays,
         unit="mm",
-        label="elbow",
-        across=min,
-        limit=20.0,
-        at_least=True,
-        title="Pushed elbow moves, least",
-    ),
-    Measure(
-        "elbow_offset_max_mm",
-        of=offset,
-        unit="mm",
-        label="elbow",
-        window="pushed",
-        limit=5.0,
-        title="Sugar offset while the elbow is pushed",
-    ),
-    Measure(
-        "lead_offset_max_mm",
-        of=offset,
-        unit="mm",
-        label="led",
-        limit=6.0,
-        title="Sugar offset while the left hand is led 15 cm",
-    ),
-    Measure(
-        "lead_force_mean_N",
-        of=lead_force,
-        unit="N",
-        label="led",
-        across=mean,
-        limit=8.0,
-        title="Force that the leading person feels, mean",
-    ),
-    Measure(
-        "force_ratio",
-        whole=force_ratio,
-        unit="x",
-        limit=3.0,
-        at_least=True,
-        title="Force that leads the hand the same way, stiff gains over learned",
-    ),
-)
-_STAYS = Measure(
-    "stays_max_mm",
-    of=stays,
-    unit="mm",
-    label="pushed",
-    limit=20.0,
-    title="Hand that is let go moves by itself, at most",
-)
-_SPREAD = (
-    Measure(
-        "hand_spread_mm",
-        whole=hand_spread,
-        unit="mm",
-        limit=80.0,
-        at_least=True,
-        title="Hands of two situations are apart when pushed, mean",
-    ),
-    Measure(
-        "yaw_spread_deg",
-        whole=yaw_spread,
-        unit="deg",
-        limit=20.0,
-        at_least=True,
-        title="Cups of two situations are turned apart when pushed, mean",
-    ),
-)
+        label="pushed",
+        limit=20.0 * size,
+        title="Hand that is let go moves by itself, at most",
+    )
+
+
+def _spreads(size: float) -> tuple[Measure, ...]:
+    return (
+        Measure(
+            "hand_spread_mm",
+            whole=hand_spread,
+            unit="mm",
+            limit=80.0 * size,
+            at_least=True,
+            title="Hands of two situations are apart when pushed, mean",
+        ),
+        Measure(
+            "yaw_spread_deg",
+            whole=yaw_spread,
+            unit="deg",
+            limit=20.0,
+            at_least=True,
+            title="Cups of two situations are turned apart when pushed, mean",
+        ),
+    )
+
+
 _HEALTH = (
     Measure(
         "stiffness_error_percent",
@@ -274,16 +284,16 @@ _HEALTH = (
 
 
 def measures(task: Task) -> tuple[Measure, ...]:
-    """Measures of one or both behaviours."""
-    taught = task.behaviours()
+    """Measures of one or both behaviours; limits of distances and forces go with the size."""
+    taught, size = task.behaviours(), size_of(task.stage.robot)
     found: tuple[Measure, ...] = _TILT if "cup" in taught else ()
     found += (
         *(_OFFSET if "sugar" in taught else ()),
-        _displacement("learned", "Pushed hand yields, mean of peaks", 130.0),
-        _STAYS,
+        _displacement("learned", "Pushed hand yields, mean of peaks", 130.0 * size),
+        _stays(size),
         *(_displacement(n, f"Yields under {said}") for n, said in COMPARED.items()),
     )
     if "sugar" in taught:
         found += tuple(m for n, said in COMPARED.items() for m in _beside(n, said))
-        found += _ELBOW_AND_LEAD
-    return (*found, *_SPREAD, *_HEALTH)
+        found += _elbow_and_lead(size)
+    return (*found, *_spreads(size), *_HEALTH)

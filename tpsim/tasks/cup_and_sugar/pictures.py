@@ -15,6 +15,7 @@ from tpsim.task.task import Situation, Task, draw_situation
 from tpsim.task.verbs import perform
 from tpsim.tasks.cup_and_sugar import conditions
 from tpsim.tasks.cup_and_sugar.measures import offset, tilt, yielding
+from tpsim.tasks.workplace import size_of
 from tpsim.world.people.push import Push
 from tpsim.world.trial import Trial
 
@@ -40,7 +41,7 @@ def sections(records: Records) -> list[Section]:
 
 
 _TILT = (
-    "Angle of the cup's axis from the vertical while a person pushes the left hand with 20 N. "
+    "Angle of the cup's axis from the vertical while a person pushes the left hand. "
     "Thin lines are trials, the thick one their median."
 )
 _OFFSET = (
@@ -66,7 +67,7 @@ def _yielding(records: Records) -> Section | None:
     means = {name: {d: float(np.mean(v)) for d, v in group.items()} for name, group in bars.items()}
     figure = plot.paired_bars(means, label="peak displacement [mm]")
     text = (
-        "How far the left hand gives way to 20 N, by direction. The fixed stiff gain keeps the "
+        "How far the left hand gives way to a push, by direction. The fixed stiff gain keeps the "
         "sugar about as near to its place as the learned controller does, and hardly yields; the "
         "fixed soft one yields, and loses the sugar."
     )
@@ -105,10 +106,13 @@ def clips(lab: Lab, records: Records) -> list[Clip | Sequence[Clip]]:
             shown.append(clip(lab, lab.taught[name][0], *caption, of=(name,), speed=2.0))
     task = lab.task
     if "sugar" in lab.models:
-        alone = type(task)(taught=("sugar",))  # type: ignore[call-arg]
-        caption = "Reproduction: sugar above the cup", "a person leads the left hand by 15 cm"
+        alone = replace(task, taught=("sugar",)).in_world(task.stage)  # type: ignore[type-var]
+        way = 100 * conditions.TRAVEL * size_of(lab.world.robot)
+        said = f"a person leads the left hand by {way:.0f} cm"
+        caption = "Reproduction: sugar above the cup", said
         shown.append(clip(lab, _led(lab, alone), *caption, of=("sugar",)))
-    caption = "Reproduction: " + " + ".join(lab.models), "pushes of 20 N on the left hand"
+    force = conditions.PUSH * size_of(lab.world.robot)
+    caption = "Reproduction: " + " + ".join(lab.models), f"pushes of {force:.0f} N on the left hand"
     shown.append(clip(lab, _pushed(lab, task), *caption))
     return [*shown, *_compared(lab, records)]
 
@@ -145,12 +149,13 @@ def _led(lab: Lab, task: Task) -> Trial:
     situation = draw_situation(task, 0, 0)
     twin = perform(task, lab.models, situation, duration=1.5)
     origin = tuple(twin["left_hand_position"][-1].tolist())
-    lead = Lead("left_gripper", origin, (0.0, conditions.TRAVEL, 0.0), start=1.5, duration=2.5)
+    travel = conditions.way_led(task, np.pi / 2)
+    lead = Lead("left_gripper", origin, travel, start=1.5, duration=2.5)
     return perform(task, lab.models, situation, people=[lead], duration=6.0)
 
 
 def _pushed(lab: Lab, task: Task) -> Trial:
-    forces = conditions.PUSH * conditions.DIRECTIONS[[0, 2, 4]]
+    forces = conditions.PUSH * size_of(lab.world.robot) * conditions.DIRECTIONS[[0, 2, 4]]
     pushes = [
         Push("left_gripper", tuple(force.tolist()), start=1.2 + 2.6 * k, duration=1.4)
         for k, force in enumerate(forces)

@@ -41,7 +41,8 @@ def study(task: CupAndSugar) -> Study:
         measures,
         controllers={"stiff": fixed(STIFF), "soft": fixed(SOFT)},
         conditions=conditions,
-        contest=contest(task.taught),
+        contest=contest(task),
+        of=study,
         probes={"stiffness_error_percent": stiffness_error},
         title="Cup and sugar",
         lead=(

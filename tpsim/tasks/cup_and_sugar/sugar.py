@@ -3,6 +3,7 @@
 import numpy as np
 
 from tpsim.pose import Pose
+from tpsim.robot.indices import Chain
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Site
 from tpsim.task.task import Goal
@@ -23,7 +24,7 @@ VIEWS = {
     "sugar in base": SUGAR.pose,
     "sugar from cup": ABOVE.pose,
     "left posture": cup.VIEWS["left posture"],
-    "right posture": Joints("right_.*").spare(RIGHT.pose),
+    "right posture": Joints(Chain(RIGHT.name)).spare(RIGHT.pose),
 }
 """Candidate frames: both hands in the base, one seen from the other (Eq. 41), both postures."""
 
@@ -49,12 +50,13 @@ def lesson(
     workspace: Workspace = TAUGHT,
     *,
     teacher: TeacherName = "firm",
+    room: float = 1.0,
 ) -> Lesson:
     """Draw one demonstration: both hands are led, the right one watches the cup."""
-    hands = Hands(world, teacher)
+    hands = Hands(world, teacher, room)
     rotations, positions = cup.via_poses(hands, rng, workspace)
     R_above, p_above = hands.above
-    turned = np.array([GRIP.turn(rng) @ R_above for _ in positions])
+    turned = np.array([hands.within(GRIP).turn(rng) @ R_above for _ in positions])
     places = np.tile(p_above, (len(positions), 1))
     first = Pose(rotations[0], positions[0])
     start = hands.reach(rng, workspace.elbow, cup=first, sugar=first @ Pose(turned[0], p_above))
@@ -68,5 +70,5 @@ def start(hands: Hands, rng: np.random.Generator, workspace: Workspace = TAUGHT)
     """Start posture (n,) of an unseen situation: sugar at its place above a cup that is level."""
     level = hands.level_cup(rng, workspace)
     R_above, p_above = hands.above
-    sugar = level @ Pose(GRIP.turn(rng) @ R_above, p_above)
+    sugar = level @ Pose(hands.within(GRIP).turn(rng) @ R_above, p_above)
     return hands.reach(rng, workspace.elbow, cup=level, sugar=sugar)

@@ -5,11 +5,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import ClassVar, Literal
 
 import numpy as np
 
+from tpsim.border import Positive
+from tpsim.catalogue.robots import find
 from tpsim.controllers.minimal_intervention import MinimalIntervention
 from tpsim.controllers.product import Skill
 from tpsim.gaussian import Gaussian
@@ -18,16 +20,18 @@ from tpsim.scene.compose import Held, world
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
 from tpsim.tasks.cup_and_sugar import cup, sugar
 from tpsim.tasks.cup_and_sugar.hands import Hands
-from tpsim.tasks.robots import CAMERAS, FLOOR, TABLE, baxter
+from tpsim.tasks.cup_and_sugar.home import home
+from tpsim.tasks.workplace import (
+    DEFAULT,
+    Workplace,
+    between,
+    size_for,
+    two_hands,
+    with_spare_joints,
+)
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
 from tpsim.world.rehearsal import considered
 from tpsim.world.world import World
-
-HOME = (
-    *(0.77643, 0.48409, -0.91141, 2.06775, -0.10938, 0.33157, -0.67192),
-    *(0.49732, -0.90217, 1.1919, 1.40747, -0.61722, 1.47197, 0.00951),
-)
-"""Both arms before the chest, cup level, sugar 8 cm above the middle of its rim [rad]."""
 
 HELD = {
     # By its handle: its axis is the gripper's x, its handle points along -z of the gripper.
@@ -35,17 +39,25 @@ HELD = {
     "sugar": Held("sugar", "right_gripper", (0, 0, 0.006)),
 }
 
+PARTS = ("gripper", "elbow")
+"""Parts of arms that are above the table."""
+
 _ROOMS = {"cup": cup, "sugar": sugar}
 
 
 @dataclass(frozen=True)
 class CupAndSugar(Task):
-    """One or both of the behaviours on Baxter.
+    """One or both of the behaviours.
 
     Parameters
     ----------
     taught : tuple of str
         Behaviours: ``"cup"``, ``"sugar"`` or both.
+    robot : str
+        Two arms of the catalogue (``tpsim robots``), or of a file of yours.
+    room : float
+        Share of the workspace that is taught and tried: 1 for what arms of this length usually
+        reach.
     bandwidth : float, optional
         Natural frequency [Hz] of the most precise direction; by default as fast as the control
         loop allows.
@@ -60,6 +72,8 @@ class CupAndSugar(Task):
     """
 
     taught: tuple[Literal["cup", "sugar"], ...] = ("cup", "sugar")
+    robot: str = DEFAULT
+    room: Positive = 1.0
     bandwidth: float | None = None
     friction: float = 180.0
     components: int = 1
@@ -73,9 +87,14 @@ class CupAndSugar(Task):
         """``cup``, ``sugar`` or ``cup-and-sugar``."""
         return "-and-".join(self.taught)
 
+    @property
+    def size(self) -> float:
+        """Of the arms, beside the default robot's."""
+        return size_for(self.robot, lambda: self.stage)
+
     def world(self) -> World:
-        """Baxter with a cup in its left hand and a sugar cube in its right one."""
-        return world(baxter(HOME), objects=TABLE, held=HELD, floor=FLOOR, cameras=CAMERAS)
+        """The robot with a cup in its left hand and a sugar cube in its right one."""
+        return _world(self.robot, self.room, self.name)
 
     def sites(self) -> dict[str, str]:
         """Hands, what they hold, and elbows."""
@@ -87,10 +106,11 @@ class CupAndSugar(Task):
         """Candidate frames and teachers."""
         fit = partial(fit_tp_gmm, components=self.components)
         goals = {"cup": cup.GOALS, "sugar": sugar.goals(Hands(self.stage).above.position)}
+        shown = {"teacher": self.teacher, "room": self.room}
         return {
             name: Behaviour(
-                _ROOMS[name].VIEWS,
-                considered(partial(_ROOMS[name].lesson, teacher=self.teacher), self.teacher),
+                with_spare_joints(_ROOMS[name].VIEWS, self.stage.robot),
+                considered(partial(_ROOMS[name].lesson, **shown), self.teacher),
                 fit,
                 goals[name],
                 CUTOFF[self.teacher],
@@ -100,7 +120,7 @@ class CupAndSugar(Task):
 
     def situation(self, world: World, rng: np.random.Generator) -> Situation:
         """Draw a start posture: level cup, and sugar above it where that was taught."""
-        return Situation(tuple(_ROOMS[self.taught[-1]].start(Hands(world), rng)))
+        return Situation(tuple(_ROOMS[self.taught[-1]].start(Hands(world, room=self.room), rng)))
 
     def controller(self, world: World, models: Models, situation: Situation) -> MinimalIntervention:
         """The product of all frames of the behaviours."""
@@ -108,8 +128,8 @@ class CupAndSugar(Task):
         prior = None
         if self.taught == ("cup",):
             # The right arm was not taught: it holds still. 10 rad say nothing about the left one.
-            right = [joint.startswith("right") for joint in world.robot.joints]
-            deviation = np.where(right, self.hold, 10.0)
+            deviation = np.full(world.robot.n, 10.0)
+            deviation[world.robot.chain(sugar.RIGHT.name)] = self.hold
             prior = Gaussian(np.array(situation.start), np.diag(deviation**2))
         return MinimalIntervention(
             skills, bandwidth=self.bandwidth, friction=self.friction, prior=prior
@@ -122,3 +142,22 @@ class CupAndSugar(Task):
             for name, behaviour in self.behaviours().items()
             for goal in behaviour.goals.values()
         }
+
+
+@lru_cache(maxsize=4)
+def _world(name: str, room: float, task: str) -> World:
+    """The world of a robot: home is looked for, once, and then the table is put below it."""
+    robot = two_hands(find(name), task)
+    place = Workplace.of(robot)
+    posture = home(bare := world(robot, held=HELD), name, room)
+    there = bare.with_home(posture).robot
+    arms = [there.at_home.pose(f"{side}_{part}") for side in ("left", "right") for part in PARTS]
+    lowest = min(float(pose.position[2]) for pose in arms)
+    furnished = world(
+        robot,
+        objects=place.furniture(lowest),
+        held=HELD,
+        floor=place.floor,
+        cameras=place.cameras(between(there)),
+    )
+    return furnished.with_home(posture)

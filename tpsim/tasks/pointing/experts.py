@@ -24,11 +24,12 @@ from tpsim.tasks.pointing.measures import angle
 from tpsim.tasks.pointing.pointers import OBJECTS, Pointer
 from tpsim.tasks.pointing.task import Pointing
 from tpsim.tasks.pointing.teacher import SCHEDULE
+from tpsim.tasks.workplace import gains_of
 from tpsim.world.people.push import Push
 from tpsim.world.world import World
 
 PUSH, TRAVEL = 10.0, 0.05
-"""Force of the pushes on what points [N], and how far it is led aside [m]."""
+"""Force of the pushes on what points [N], and how far it is led aside [m], for arms of size 1."""
 
 SETTLED = 0.2
 """Time [s] after the arm has come to point at the first object when it is pushed or led."""
@@ -92,13 +93,14 @@ def experts(pointer: Pointer, gains: Path) -> dict[str, Expert]:
 
 def _pushes(task: Task, situation: Situation, rng: np.random.Generator) -> list[Push]:
     """Two on what points while it points at the first object, across each other."""
-    axis = cast(Pointing, task).pointer.axis
+    pointer = cast(Pointing, task).pointer
+    axis, force = pointer.axis, PUSH * pointer.size
     way = np.append(rng.standard_normal(2), 0.0)
     if len(axis.axes) > 2:
         way[2] = rng.standard_normal()
-    way *= PUSH / np.linalg.norm(way)
+    way *= force / np.linalg.norm(way)
     other = np.array([-way[1], way[0], 0.0])
-    other *= PUSH / np.linalg.norm(other)
+    other *= force / np.linalg.norm(other)
     return [
         Push(axis.site, tuple(one.tolist()), start=AT_FIRST + SETTLED, duration=1.5)
         for one in (way, other)
@@ -107,9 +109,9 @@ def _pushes(task: Task, situation: Situation, rng: np.random.Generator) -> list[
 
 def _lead(task: Task, situation: Situation, rng: np.random.Generator) -> Lead:
     heading = rng.uniform(0, 2 * np.pi)
-    travel = TRAVEL * np.array([np.cos(heading), np.sin(heading), 0.0])
-    site = cast(Pointing, task).pointer.axis.site
-    return Lead(site, (0, 0, 0), tuple(travel.tolist()), AT_FIRST + SETTLED, 1.0, 0.5)
+    pointer = cast(Pointing, task).pointer
+    travel = TRAVEL * pointer.size * np.array([np.cos(heading), np.sin(heading), 0.0])
+    return Lead(pointer.axis.site, (0, 0, 0), tuple(travel.tolist()), AT_FIRST + SETTLED, 1.0, 0.5)
 
 
 ANGLE = Error("angle", partial(angle, name="first"), "deg", 3.0, "Angle to the object")
@@ -117,18 +119,18 @@ ANGLE = Error("angle", partial(angle, name="first"), "deg", 3.0, "Angle to the o
 
 def contest(task: Pointing) -> Contest:
     """The contest of one arm: it is pushed, and led aside, while it points at the first object."""
-    gains = Path(__file__).with_name(f"gains-{task.robot}.json")
+    gains = gains_of(__file__, task.robot)
     return Contest(
         [ANGLE],
         _pushes,
         _lead,
         experts(task.pointer, gains),
         gains,
-        yielding=YIELDING[task.robot],
+        yielding=YIELDING * task.pointer.size,
         duration=AT_FIRST + SETTLED + 1.6,
         twins=False,
     )
 
 
-YIELDING = {"planar3": 12.0, "baxter": 12.0}
-"""How far each arm is to give way at least [mm]."""
+YIELDING = 12.0
+"""How far an arm of size 1 is to give way at least [mm]."""

@@ -10,7 +10,7 @@ from tpsim.study import health
 from tpsim.study.measure import Measure
 from tpsim.study.record import Record, Records
 from tpsim.tasks.pointing.pointers import OBJECTS
-from tpsim.tasks.pointing.task import Pointing
+from tpsim.tasks.pointing.task import FLAT, Pointing
 from tpsim.tasks.pointing.teacher import PHASES
 
 RECOVERED = 3.0
@@ -70,7 +70,7 @@ def recovery(record: Record) -> float:
 _ANGLES = {
     "angle": (("unpushed", "moving"), 1.5, "Angle error, objects at rest or moving"),
     "angle_moving": (("moving",), 1.5, "The same, moving objects only"),
-    "angle_pushed": (("pushed", "moving pushed"), 4.0, "Angle error pushed with 10 N"),
+    "angle_pushed": (("pushed", "moving pushed"), 4.0, "Angle error while pushed"),
     "angle_moving_pushed": (("moving pushed",), 4.0, "The same, moving objects only"),
 }
 
@@ -113,5 +113,5 @@ def measures(task: Pointing) -> tuple[Measure, ...]:
         health.DIVERGED,
         health.CONTACTS,
         health.INJECTED,
-        health.realtime(25.0 if task.robot == "planar3" else 8.0),
+        health.realtime(25.0 if task.robot == FLAT else 8.0),
     )

@@ -85,7 +85,7 @@ def clips(lab: Lab, records: Records) -> list[Clip]:
     for label, subtitle in (
         ("moving", "the objects move while the arm points"),
         ("jump", "each object jumps while it is pointed at"),
-        ("moving pushed", "the objects move, and a person pushes with 10 N"),
+        ("moving pushed", "the objects move, and a person pushes"),
     ):
         if found := records.select(label):
             trial = found[-1].trial

@@ -2,15 +2,23 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
+from tpsim.catalogue.ours import planar3
+from tpsim.catalogue.robots import find
+from tpsim.robot import anatomy
+from tpsim.robot.indices import Chain, Names
+from tpsim.robot.robot import Robot
 from tpsim.robot.views.direction import Bearing, Direction
 from tpsim.robot.views.joints import Joints, Spare
 from tpsim.robot.views.sites import Object, Site
 from tpsim.robot.views.view import View
-from tpsim.scene.compose import Held, Placed, world
-from tpsim.tasks.robots import CAMERAS, FLOOR, TABLE, baxter, on_the_floor, planar3
+from tpsim.scene.compose import Held, Placed
+from tpsim.tasks.one_hand import GRIPPER, furnished
+from tpsim.tasks.planar import on_the_floor
+from tpsim.tasks.workplace import size_of
 from tpsim.world.people.care import EVERYTHING, Care
 from tpsim.world.world import World
 
@@ -30,10 +38,8 @@ class Pointer:
 
     Parameters
     ----------
-    world : callable
-        Makes the robot with the objects ``OBJECTS``.
-    joints : str
-        The arm's, as a regular expression.
+    joints : str or Chain
+        The arm's.
     free : tuple of str
         Joints whose posture is observed: as many as the arm has to spare while it points.
     axis : Direction
@@ -48,10 +54,11 @@ class Pointer:
         From where a film shows it best.
     seen_to : Care
         What a person who points with it sees to: all that the arm can do.
+    size : float
+        Of the arm, with which go the forces of pushes, and how far it is led aside.
     """
 
-    world: Callable[[], World]
-    joints: str
+    joints: Names
     free: tuple[str, ...]
     axis: Direction
     grips: Mapping[str, bool]
@@ -59,6 +66,7 @@ class Pointer:
     place: Callable[[np.random.Generator], np.ndarray]
     camera: str
     seen_to: Care = EVERYTHING
+    size: float = 1.0
 
     def bearing(self, name: str) -> Bearing:
         """Direction towards an object, zero while the arm points at it, Eq. (41)."""
@@ -86,7 +94,7 @@ class Pointer:
                 return dict(zip(OBJECTS, (first, second), strict=True))
 
 
-def _planar_world() -> World:
+def planar_world() -> World:
     """The planar arm, the first link to the right and the others ahead, as in Fig. 10."""
     return on_the_floor(planar3(home=(-0.3, 2.1, -0.23)), OBJECTS, fovy=27)
 
@@ -97,26 +105,7 @@ def _before_the_arm(rng: np.random.Generator) -> np.ndarray:
     return np.array([0.22 - distance * np.sin(bearing), 0.4 + distance * np.cos(bearing), -0.054])
 
 
-def _baxter_world() -> World:
-    """Baxter at its table with a beam in the left gripper, which shows where it points."""
-    spots = ((0.6, 0.3, -0.2), (0.6, 0.1, -0.2))
-    markers = {n: Placed("marker", spot) for n, spot in zip(OBJECTS, spots, strict=True)}
-    return world(
-        baxter(),
-        objects=markers | TABLE,
-        held={"beam": Held("beam", "left_gripper", (0.0, 0.0, 0.006))},
-        floor=FLOOR,
-        cameras=CAMERAS,
-    )
-
-
-def _on_the_table(rng: np.random.Generator) -> np.ndarray:
-    """Somewhere on the table under Baxter's left hand."""
-    return np.array([*rng.uniform((0.45, -0.05), (0.8, 0.45)), -0.2])
-
-
 PLANAR = Pointer(
-    world=_planar_world,
     joints="joint[123]",
     free=("joint1", "joint2"),
     axis=Site("tip").axis("x", across="y"),
@@ -128,14 +117,58 @@ PLANAR = Pointer(
 )
 """The planar arm of three links."""
 
-BAXTER = Pointer(
-    world=_baxter_world,
-    joints="left_.*",
-    free=tuple(f"left_{joint}" for joint in ("s0", "s1", "e0", "e1", "w2")),
-    axis=Site("left_gripper").axis("z", across="xy"),
-    grips={"left_gripper": True, "left_elbow": False},
-    sites={"left_hand": "left_gripper", "left_elbow": "left_elbow"},
-    place=_on_the_table,
-    camera="side",
-)
-"""Baxter's left arm, whose gripper points along its own axis."""
+SPOTS = {"first": (0.54, 0.04, -0.33), "second": (0.54, -0.16, -0.33)}
+"""Where objects are at first, from the shoulder of an arm of size 1 [m]."""
+
+NEAREST, FARTHEST = (0.39, -0.31, -0.33), (0.74, 0.19, -0.33)
+"""Corners of the rectangle in which objects are put, likewise: on the table under the hand."""
+
+
+@lru_cache(maxsize=4)
+def spatial_world(name: str) -> World:
+    """A robot at its table with a beam in its left gripper, which shows where it points."""
+    robot = find(name)
+    size, shoulder = size_of(robot), _shoulder(robot)
+    markers = {
+        each: Placed("marker", tuple((shoulder + size * np.array(spot)).tolist()))
+        for each, spot in SPOTS.items()
+    }
+    return furnished(robot, name, markers, {"beam": Held("beam", GRIPPER, (0.0, 0.0, 0.006))})
+
+
+@lru_cache(maxsize=4)
+def spatial(robot: Robot) -> Pointer:
+    """The left arm of a robot, or its only one, whose gripper points along its own axis."""
+    size, shoulder = size_of(robot), _shoulder(robot)
+
+    def place(rng: np.random.Generator) -> np.ndarray:
+        # Drawn in the plane alone.
+        x, y = rng.uniform(*((shoulder + size * np.array(c))[:2] for c in (NEAREST, FARTHEST)))
+        return np.array([x, y, shoulder[2] + size * NEAREST[2]])
+
+    axis = Site(GRIPPER).axis("z", across="xy")
+    return Pointer(
+        joints=Chain(GRIPPER),
+        free=_free(robot, axis),
+        axis=axis,
+        grips={GRIPPER: True, "left_elbow": False},
+        sites={"left_hand": GRIPPER, "left_elbow": "left_elbow"},
+        place=place,
+        camera="side",
+        size=size,
+    )
+
+
+def _shoulder(robot: Robot) -> np.ndarray:
+    return np.round(anatomy.shoulder(robot, GRIPPER), 2)
+
+
+def _free(robot: Robot, axis: Direction) -> tuple[str, ...]:
+    """Joints of an arm but the last two that turn what points, each its own way."""
+    chain = robot.chain(axis.site)
+    turned = axis(robot.at_home).jacobian[:, chain]
+    pairs = [(i, j) for j in range(len(chain)) for i in range(j)]
+    apart = [abs(float(np.linalg.det(turned[:, pair]))) for pair in pairs]
+    enough = [pair for pair, sine in zip(pairs, apart, strict=True) if sine > 0.5 * max(apart)]
+    last = max(enough, key=lambda pair: pair[::-1])
+    return tuple(robot.joints[i] for k, i in enumerate(chain) if k not in last)

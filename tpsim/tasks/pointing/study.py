@@ -20,7 +20,7 @@ from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.push import Push
 
 PUSH = 10.0
-"""Force [N] on what points, for two seconds."""
+"""Force on what points of an arm of size 1 [N], for two seconds."""
 
 SPEED, JUMP = 0.1, 0.15
 """How fast an object moves [m/s] while the arm turns and points to it, and how far it jumps [m]."""
@@ -56,7 +56,7 @@ def _heading(rng: np.random.Generator, dims: int = 2) -> np.ndarray:
 
 
 def _push(pointer: Pointer, rng: np.random.Generator, start: float) -> Push:
-    force = PUSH * _heading(rng, len(pointer.axis.axes))
+    force = PUSH * pointer.size * _heading(rng, len(pointer.axis.axes))
     return Push(pointer.axis.site, tuple(force.tolist()), start=start)
 
 
@@ -87,15 +87,16 @@ def _jumping(path: ObjectPath, heading: np.ndarray) -> ObjectPath:
 
 
 def study(task: Pointing | None = None) -> Study:
-    """The study of pointing with either robot."""
+    """The study of pointing with any robot."""
     task = Pointing() if task is None else task
     compared = contest(task)
     return Study(
         task,
-        measures(task),
+        measures,
         controllers=fixed_gains(compared.experts["computed"]),
         conditions=conditions,
         contest=compared,
+        of=study,
         title="Pointing at two objects",
         lead=(
             "The weightless arm was led to point at one object, at another, and back to rest. What "
@@ -109,5 +110,4 @@ def study(task: Pointing | None = None) -> Study:
     )
 
 
-planar = study()
-baxter = study(Pointing(robot="baxter"))
+pointing = study()

@@ -8,7 +8,7 @@ object, which may move (Eq. 41); all are functions of time (Eq. 20).
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,7 +21,14 @@ from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.retrieval.tp_gmr import Order
 from tpsim.robot.views.joints import Joints
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
-from tpsim.tasks.pointing.pointers import BAXTER, OBJECTS, PLANAR, Pointer
+from tpsim.tasks.pointing.pointers import (
+    OBJECTS,
+    PLANAR,
+    Pointer,
+    planar_world,
+    spatial,
+    spatial_world,
+)
 from tpsim.tasks.pointing.teacher import PHASES, SCHEDULE, PointingTeacher
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
 from tpsim.world.world import World
@@ -33,7 +40,8 @@ SHOWN, HELD = float(np.radians(4.0)), 0.25
 """Angle [rad] up to which the teacher points well, and how long after and before the phases [s]:
 its timing varies."""
 
-_POINTERS = {"planar3": PLANAR, "baxter": BAXTER}
+FLAT = "planar3"
+"""The arm that points in the plane."""
 
 
 @dataclass(frozen=True)
@@ -43,8 +51,8 @@ class Pointing(Task):
     Parameters
     ----------
     robot : str
-        ``"planar3"``, an arm of three links in the plane, or ``"baxter"``, the gripper of its
-        left arm in space.
+        ``"planar3"``, an arm of three links in the plane, or one of the catalogue (``tpsim
+        robots``), or of a file of yours, whose left gripper points in space.
     effort : float
         Cost of acceleration [s^4/(kg m^2)]: the one number that sets how soft the robot is.
     components : int
@@ -67,7 +75,7 @@ class Pointing(Task):
         Whose hands show it: ``"human"``, as measured in people, or ``"firm"``, firmer and finer.
     """
 
-    robot: Literal["planar3", "baxter"] = "planar3"
+    robot: str = FLAT
     effort: float = 0.05
     components: int = 6
     factors: int = 1
@@ -82,13 +90,13 @@ class Pointing(Task):
 
     @property
     def name(self) -> str:
-        """``pointing`` or ``pointing-baxter``."""
-        return "pointing" if self.robot == "planar3" else f"pointing-{self.robot}"
+        """``pointing``."""
+        return "pointing"
 
     @property
     def pointer(self) -> Pointer:
         """The arm that points."""
-        return _POINTERS[self.robot]
+        return PLANAR if self.robot == FLAT else spatial(self.stage.robot)
 
     @property
     def shown_by(self) -> PointingTeacher:
@@ -97,7 +105,7 @@ class Pointing(Task):
 
     def world(self) -> World:
         """The robot and its two objects."""
-        return self.pointer.world()
+        return planar_world() if self.robot == FLAT else spatial_world(self.robot)
 
     def sites(self) -> Mapping[str, str]:
         """What points, and how the arm is bent."""

@@ -14,6 +14,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from tpsim.catalogue.ours import planar5
 from tpsim.controllers.product import Skill
 from tpsim.controllers.pursuit import Pursuit
 from tpsim.errors import ArgumentError
@@ -22,7 +23,7 @@ from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Object, Site
 from tpsim.robot.views.view import View
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
-from tpsim.tasks.robots import on_the_floor, planar5
+from tpsim.tasks.planar import on_the_floor
 from tpsim.tasks.tracking.body import SIDES, TEACHINGS, Body, Teaching
 from tpsim.tasks.tracking.carousel import PERIOD, SECONDS, Carousel, paths, points
 from tpsim.tasks.tracking.teacher import TrackingTeacher

@@ -11,6 +11,9 @@ import numpy as np
 
 from tpsim import rotation
 from tpsim.pose import Pose
+from tpsim.robot import anatomy
+from tpsim.robot.robot import Robot
+from tpsim.tasks.workplace import size_of
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.care import Care
 from tpsim.world.people.demonstrator import DEMONSTRATORS, TeacherName
@@ -25,11 +28,13 @@ NAMES = ("start", "end")
 GRIPPER = "left_gripper"
 """Site of the hand that carries."""
 
-HOME = {"start": ((0.60, 0.48, 0.13), 2.83), "end": ((0.60, 0.14, 0.13), 0.45)}
-"""Position [m] and heading [rad] of each dock: they open towards each other and the robot."""
+HOME = {"start": ((0.54, 0.22, 0.0), 2.83), "end": ((0.54, -0.12, 0.0), 0.45)}
+"""Position from the shoulder, for an arm of size 1 [m], and heading [rad] of each dock: they open
+towards each other and the robot."""
 
 RANGE = np.array([0.045, 0.045, 0.035, 0.08, 0.08, 0.2])
-"""Where a dock may be about home in taught situations, to both sides: [m] and [rad]."""
+"""Where a dock may be about home in taught situations, to both sides, for an arm of size 1: [m]
+and [rad]."""
 
 FAR = np.sqrt(7.0)
 """Displacements so many times as large (rms) as the taught ones are twice as far from these as
@@ -40,8 +45,8 @@ HELD = {"start": rotation.exp([np.pi, 0.0, 0.0]), "end": rotation.exp([0.0, np.p
 """Rotation of the gripper in each dock, pointing down. The charts of orientation begin there."""
 
 TILT, OUT = rotation.exp([-0.3, 0.0, 0.0]), np.array([0.0, 0.12, 0.03])
-"""From inside a dock to the pose that the teacher passes before and after it: tilted, out of the
-open side and higher."""
+"""From inside a dock to the pose that the teacher passes before and after it, for an arm of size 1:
+tilted, out of the open side and higher."""
 
 SKILL = {"inside": (0.0015, 0.01), "outside": (0.005, 0.03)}
 """Standard deviations [m], [rad] with which the teacher meets a pose in a dock and before it."""
@@ -58,6 +63,9 @@ ELBOW = 0.25
 ASIDE = -0.7
 """Angle [rad] by which the other arm is turned out of the way."""
 
+UPRIGHT = 0.9
+"""Cosine of the angle to the vertical from which on a joint turns about it."""
+
 MARGIN = 0.15
 """Distance that the teacher's poses keep from the joint limits [rad]."""
 
@@ -65,18 +73,26 @@ Docks = Mapping[str, Pose]
 """Where each dock is in the world."""
 
 
-def draw(rng: np.random.Generator, far: bool = False) -> Docks:
+def home(robot: Robot) -> Docks:
+    """Docks in the middle of the taught range of a robot's arm."""
+    size, shoulder = size_of(robot), np.round(anatomy.shoulder(robot, GRIPPER), 2)
+    return {
+        name: Pose(rotation.exp([0.0, 0.0, heading]), shoulder + size * np.array(position))
+        for name, (position, heading) in HOME.items()
+    }
+
+
+def draw(robot: Robot, rng: np.random.Generator, far: bool = False) -> Docks:
     """Draw docks within the taught range; or ``FAR`` from it, in a direction drawn so."""
     displacement = rng.uniform(-1, 1, 12)
     if far:
         taught = np.sqrt(displacement.size / 3)
         displacement *= FAR * taught / np.linalg.norm(displacement)
-    docks = {}
-    for (name, (position, heading)), offset in zip(
-        HOME.items(), displacement.reshape(2, 6) * RANGE, strict=True
+    docks, size = {}, size_of(robot)
+    for (name, (R, p)), offset in zip(
+        home(robot).items(), displacement.reshape(2, 6) * RANGE, strict=True
     ):
-        R = rotation.exp(offset[3:]) @ rotation.exp([0.0, 0.0, heading])
-        docks[name] = Pose(R, position + offset[:3])
+        docks[name] = Pose(rotation.exp(offset[3:]) @ R, p + size * offset[:3])
     return docks
 
 
@@ -90,16 +106,17 @@ def at_start(paths: Sequence[ObjectPath]) -> Docks:
     return {path.name: path.first for path in paths}
 
 
-def via_poses(docks: Docks) -> tuple[np.ndarray, np.ndarray]:
+def via_poses(docks: Docks, size: float) -> tuple[np.ndarray, np.ndarray]:
     """Poses of the gripper that the teacher passes: rotations (4, 3, 3), positions (4, 3)."""
     (R, p), (R_end, p_end) = (docks[name] for name in NAMES)
+    out = size * OUT
     rotations = (
         R @ HELD["start"],
         R @ TILT @ HELD["start"],
         R_end @ TILT @ HELD["end"],
         R_end @ HELD["end"],
     )
-    return np.array(rotations), np.array([p, p + R @ OUT, p_end + R_end @ OUT, p_end])
+    return np.array(rotations), np.array([p, p + R @ out, p_end + R_end @ out, p_end])
 
 
 def start_posture(world: World, docks: Docks, rng: np.random.Generator) -> np.ndarray:
@@ -111,17 +128,32 @@ def start_posture(world: World, docks: Docks, rng: np.random.Generator) -> np.nd
         Where the arm cannot follow the teacher through all via poses.
     """
     robot = world.robot
-    carries = np.array([joint.startswith("left") for joint in robot.joints])
+    carries = np.zeros(robot.n)
+    carries[robot.chain(GRIPPER)] = 1.0
     preferred = robot.home + ELBOW * carries * rng.standard_normal(carries.size)
-    preferred[robot.index("right_s0")] += ASIDE
+    preferred += aside(robot)
     postures: list[np.ndarray] = []
-    for R, p in zip(*via_poses(docks), strict=True):
+    for R, p in zip(*via_poses(docks, size_of(robot)), strict=True):
         start = postures[-1] if postures else None
         postures.append(
             reach(robot, {GRIPPER: Pose(R, p)}, start=start, posture=preferred, margin=MARGIN)
         )
         preferred = postures[-1]
     return postures[0]
+
+
+def aside(robot: Robot) -> np.ndarray:
+    """By which angles (n,) [rad] the other arm, if there is one, is turned out of the way.
+
+    Its first joint is, where it turns about the vertical.
+    """
+    turned = np.zeros(robot.n)
+    for site in robot.hands.values():
+        if site != GRIPPER:
+            first = robot.chain(site)[0]
+            upright = float(robot.at_home.jacobian(site)[5, first])
+            turned[first] = ASIDE * np.sign(upright) * (abs(upright) > UPRIGHT)
+    return turned
 
 
 def guide(
@@ -135,7 +167,7 @@ def guide(
 
     ``seconds`` is the time of the way between them; the hand rests before and after it.
     """
-    rotations, positions = via_poses(docks)
+    rotations, positions = via_poses(docks, size_of(world.robot))
     skill = [SKILL["inside"], SKILL["outside"], SKILL["outside"], SKILL["inside"]]
     moved, turned = np.array(skill).T[..., None]
     positions = positions + moved * rng.standard_normal((4, 3))

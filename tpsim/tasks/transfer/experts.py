@@ -25,16 +25,14 @@ from tpsim.study.expert import Expert, Gains, Range, tuned
 from tpsim.study.record import Record
 from tpsim.task.task import Situation, Task
 from tpsim.tasks.transfer import docks
-from tpsim.tasks.transfer.task import MOVEMENT, SEEN
+from tpsim.tasks.transfer.task import MOVEMENT, SEEN, Transfer
+from tpsim.tasks.workplace import gains_of, size_of
 from tpsim.world.people.push import Push
 from tpsim.world.people.script import minimum_jerk
 from tpsim.world.world import World
 
-GAINS = Path(__file__).with_name("gains.json")
-"""Gains as they were tuned."""
-
 PUSH, TRAVEL = 10.0, 0.05
-"""Force of the pushes on the hand [N], and how far it is led aside [m]."""
+"""Force of the pushes on the hand of an arm of size 1 [N], and how far it is led aside [m]."""
 
 UNDERWAY, ARRIVED = MOVEMENT / 2 - 1.0, MOVEMENT
 """When the hand is pushed: half way between the docks, and in the second one [s]."""
@@ -52,9 +50,9 @@ def _shares() -> Any:
     return minimum_jerk(times, np.eye(4))
 
 
-def place(placed: docks.Docks, time: float) -> Pose:
-    """Where the hand is to be at a time [s], for docks at some places."""
-    rotations, positions = docks.via_poses(placed)
+def place(placed: docks.Docks, time: float, size: float = 1.0) -> Pose:
+    """Where the hand of an arm of some size is to be at a time [s], for docks at some places."""
+    rotations, positions = docks.via_poses(placed, size)
     within = min(max(time, docks.REST), MOVEMENT - docks.REST)
     share = _shares()(within)
     turns = [pin.log3(turned) for turned in rotations @ rotations[0].T]
@@ -72,7 +70,8 @@ class Way:
         for name in docks.NAMES:
             R, p, v, w = state.objects[name]
             soon[name] = Pose(pin.exp3(_STEP * w) @ R, p + _STEP * v)
-        here, there = place(now, state.time), place(soon, state.time + _STEP)
+        size = size_of(state.robot)
+        here, there = place(now, state.time, size), place(soon, state.time + _STEP, size)
         turned = pin.log3(there.rotation @ here.rotation.T)
         return here, np.concatenate([there.position - here.position, turned]) / _STEP
 
@@ -105,8 +104,8 @@ def _computed(world: World, situation: Situation, gains: Gains) -> ComputedTorqu
     return ComputedTorque(way, gains["joints"], damping=gains["damping"])
 
 
-def experts() -> dict[str, Expert]:
-    """Experts for the way between the docks."""
+def experts(gains: Path) -> dict[str, Expert]:
+    """Experts for the way between the docks, with the gains of a file."""
     damping, posture = Range(0.5, 1.5), Range(1.0, 30.0, "1/s^2")
     inertial = Range(20.0, 4000.0, "1/s^2")
     found = {
@@ -130,7 +129,7 @@ def experts() -> dict[str, Expert]:
         ),
         "computed": Expert({"joints": inertial, "damping": damping}, _computed),
     }
-    return tuned(found, GAINS)
+    return tuned(found, gains)
 
 
 def _pushes(task: Task, situation: Situation, rng: np.random.Generator) -> list[Push]:
@@ -138,7 +137,7 @@ def _pushes(task: Task, situation: Situation, rng: np.random.Generator) -> list[
     found = []
     for start in (UNDERWAY, ARRIVED):
         force = rng.standard_normal(3)
-        force *= PUSH / np.linalg.norm(force)
+        force *= PUSH * size_of(task.stage.robot) / np.linalg.norm(force)
         found.append(Push(docks.GRIPPER, tuple(force.tolist()), start=start, duration=LASTS))
     return found
 
@@ -146,7 +145,7 @@ def _pushes(task: Task, situation: Situation, rng: np.random.Generator) -> list[
 def _lead(task: Task, situation: Situation, rng: np.random.Generator) -> Lead:
     """The hand off its way, half way between the docks."""
     travel = rng.standard_normal(3)
-    travel *= TRAVEL / np.linalg.norm(travel)
+    travel *= TRAVEL * size_of(task.stage.robot) / np.linalg.norm(travel)
     return Lead(docks.GRIPPER, (0, 0, 0), tuple(travel.tolist()), UNDERWAY, 1.2, 0.5)
 
 
@@ -169,19 +168,20 @@ ERRORS = (
 )
 
 
-def contest() -> Contest:
+def contest(task: Transfer) -> Contest:
     """The contest of transfer: pushed half way and in the second dock, led aside half way."""
+    gains = gains_of(__file__, task.robot)
     return Contest(
         ERRORS,
         _pushes,
         _lead,
-        experts(),
-        GAINS,
-        yielding=YIELDING,
+        experts(gains),
+        gains,
+        yielding=YIELDING * task.size,
         tuning_situations=1,
         counts=_is_underway,
     )
 
 
 YIELDING = 10.0
-"""How far the hand is to give way half way between the docks at least [mm]."""
+"""How far the hand of an arm of size 1 is to give way half way between the docks at least [mm]."""

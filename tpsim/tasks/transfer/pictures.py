@@ -105,7 +105,7 @@ def clips(lab: Lab, records: Records) -> list[Clip]:
     for label, subtitle in (
         ("unpushed", "docks where they never were"),
         ("moved", "both docks move while the arm carries"),
-        ("far pushed", "docks twice as far from the taught ones; a person pushes with 10 N"),
+        ("far pushed", "docks twice as far from the taught ones; a person pushes"),
         ("pushed", "a person pushes with 10 N"),
     ):
         if label == "pushed" and records.select("far pushed"):

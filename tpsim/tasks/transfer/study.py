@@ -16,13 +16,14 @@ from tpsim.study.study import Lab, Phases, Plan, Study
 from tpsim.task.task import Situation, draw_situation
 from tpsim.tasks.transfer import docks, experts, pictures
 from tpsim.tasks.transfer.task import SEEN, Transfer, lesson_between
+from tpsim.tasks.workplace import size_of
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.push import Push
 from tpsim.world.teaching import Lesson
 from tpsim.world.world import World
 
 PUSH = 10.0
-"""Force [N] on the hand, for two seconds."""
+"""Force on the hand of an arm of size 1 [N], for two seconds."""
 
 PUSHED = (1.0, 3.5)
 """A push begins at a time drawn from this range [s]."""
@@ -47,12 +48,12 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
         found += [
             Condition("unpushed", near),
             Condition("taught", near, shown="transfer"),
-            Condition("moved", _moved(near, docks.draw(rng))),
+            Condition("moved", _moved(near, docks.draw(lab.world.robot, rng))),
             Condition("far", far),
         ]
         for k in range(plan.pushes):
             label, situation = ("far pushed", far) if k % 2 else ("pushed", near)
-            found.append(Condition(label, situation, push=(_push(rng),)))
+            found.append(Condition(label, situation, push=(_push(rng, size_of(lab.world.robot)),)))
     yield found
 
 
@@ -80,9 +81,9 @@ def _moved(situation: Situation, elsewhere: docks.Docks) -> Situation:
     return replace(situation, objects=tuple(moving))
 
 
-def _push(rng: np.random.Generator) -> Push:
+def _push(rng: np.random.Generator, size: float) -> Push:
     force = rng.standard_normal(3)
-    force *= PUSH / np.linalg.norm(force)
+    force *= PUSH * size / np.linalg.norm(force)
     return Push(docks.GRIPPER, tuple(force.tolist()), start=float(rng.uniform(*PUSHED)))
 
 
@@ -144,7 +145,7 @@ def unreachable(records: Records) -> int:
 
 MEASURES = (
     *_end("end", ("unpushed", "pushed"), "End from the second dock, worst"),
-    *_end("end_pushed", "pushed", "End after a push of 10 N, worst"),
+    *_end("end_pushed", "pushed", "End after a push, worst"),
     *_end("end_moved", "moved", "End where the docks have moved, worst"),
     *_end("end_far", ("far", "far pushed"), "End twice as far from what was taught, worst"),
     Measure(
@@ -160,7 +161,7 @@ MEASURES = (
         of=path_rms,
         unit="mm",
         label="pushed",
-        title="The same, while pushed with 10 N",
+        title="The same, while pushed",
     ),
     health.SATURATED,
     Measure("unreachable", whole=unreachable, title="Trials that ended out of reach"),
@@ -173,7 +174,7 @@ MEASURES = (
 
 def study(task: Transfer) -> Study:
     """The study of transfer."""
-    compared = experts.contest()
+    compared = experts.contest(task)
     return Study(
         task,
         MEASURES,
@@ -181,6 +182,7 @@ def study(task: Transfer) -> Study:
         conditions=conditions,
         contest=compared,
         show=show,
+        of=study,
         title="Transfer between two docks",
         lead=(
             "The weightless arm was led to carry a cube out of one dock into another. How to "

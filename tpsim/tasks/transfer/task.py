@@ -8,11 +8,12 @@ tracked by the LQT of all frames at once over the finite horizon (Eq. 38), where
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import ClassVar
 
 import numpy as np
 
+from tpsim.catalogue.robots import find
 from tpsim.control.poses import SeenMovement
 from tpsim.controllers.finite_horizon import FiniteHorizon
 from tpsim.demonstration import Demonstration
@@ -22,13 +23,15 @@ from tpsim.learning.gmm import GMM
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.pose import Pose
 from tpsim.retrieval.gmr import gmr
+from tpsim.robot.indices import Chain
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Object, Site
-from tpsim.scene.compose import Held, Placed, world
+from tpsim.scene.compose import Held, Placed
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
-from tpsim.tasks.robots import CAMERAS, FLOOR, TABLE, baxter
+from tpsim.tasks.one_hand import furnished
 from tpsim.tasks.transfer import docks
+from tpsim.tasks.workplace import DEFAULT, size_for, size_of
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
 from tpsim.world.teaching import Lesson
 from tpsim.world.trial import Trial
@@ -61,7 +64,7 @@ SEEN = {
 """Parts of the hand's pose as each dock sees them, Eq. (41)."""
 
 VIEWS = {f"{part} from {name}": view for (name, part), view in SEEN.items()} | {
-    "posture": Joints("left_.*")
+    "posture": Joints(Chain(docks.GRIPPER))
 }
 """Candidate frames: position and orientation from each dock, and the arm's posture."""
 
@@ -75,10 +78,12 @@ GOALS = {
 
 @dataclass(frozen=True)
 class Transfer(Task):
-    """Carry a sugar cube from the first dock into the second, on Baxter's left arm.
+    """Carry a sugar cube from the first dock into the second, with a left arm.
 
     Parameters
     ----------
+    robot : str
+        One of the catalogue (``tpsim robots``), or of a file of yours.
     effort : float
         Cost of torque [1/(Nm)^2]: the one number that sets how soft the arm is.
     components : int
@@ -91,6 +96,7 @@ class Transfer(Task):
         Whose hands show it: ``"human"``, as measured in people, or ``"firm"``, firmer and finer.
     """
 
+    robot: str = DEFAULT
     effort: float = 0.05
     components: int = 10
     samples: int = 150
@@ -100,11 +106,14 @@ class Transfer(Task):
     duration: ClassVar[float] = MOVEMENT + 1.5
     demonstrations: ClassVar[int] = 12
 
+    @property
+    def size(self) -> float:
+        """Of the arm, beside the default robot's."""
+        return size_for(self.robot, lambda: self.stage)
+
     def world(self) -> World:
-        """Baxter with a sugar cube in its left hand, and two docks."""
-        objects = {name: Placed("dock", spot) for name, spot in _SPOTS.items()}
-        held = {"sugar": Held("sugar", docks.GRIPPER, (0, 0, 0.006))}
-        return world(baxter(), objects=TABLE | objects, held=held, floor=FLOOR, cameras=CAMERAS)
+        """The robot with a sugar cube in its left hand, and two docks."""
+        return _world(self.robot)
 
     def sites(self) -> dict[str, str]:
         """The hand that carries, and its elbow."""
@@ -125,7 +134,7 @@ class Transfer(Task):
 
     def situation(self, world: World, rng: np.random.Generator, far: bool = False) -> Situation:
         """Draw docks, and a posture with the hand in the first one; ``far`` beyond the taught."""
-        placed = docks.draw(rng, far)
+        placed = docks.draw(world.robot, rng, far)
         start = docks.start_posture(world, placed, rng)
         return Situation(tuple(start), docks.at_rest(placed))
 
@@ -146,7 +155,7 @@ class Transfer(Task):
             movements,
             # Too few demonstrations to tell how seven joints depend on each other.
             Gaussian(posture.mean, posture.covariance * np.eye(posture.dim)),
-            joints=arm(world.robot, "left"),
+            joints=arm(world.robot, docks.GRIPPER),
             site=docks.GRIPPER,
             dt=DT,
             effort=self.effort,
@@ -169,15 +178,9 @@ class Transfer(Task):
         return "unreachable" if missed else trial.outcome
 
 
-_SPOTS = {
-    name: (0.75 * np.cos(angle), -0.75 * np.sin(angle), 0.0)
-    for name, angle in zip(docks.NAMES, (-np.pi / 12, np.pi / 12), strict=True)
-}
-
-
 def lesson(world: World, rng: np.random.Generator, teacher: TeacherName = "firm") -> Lesson:
     """Draw docks within the taught range, and how a person carries between them."""
-    placed = docks.draw(rng)
+    placed = docks.draw(world.robot, rng)
     return lesson_between(world, placed, docks.start_posture(world, placed, rng), rng, teacher)
 
 
@@ -191,10 +194,24 @@ def lesson_between(
     """How a person carries between given docks."""
     seconds = rng.uniform(*docks.SECONDS)
     guide = docks.guide(world, placed, seconds, rng, teacher)
-    held = arm(world.robot, "right")
+    carries = arm(world.robot, docks.GRIPPER)
+    held = tuple(joint for joint in world.robot.joints if joint not in carries)
     return Lesson(start, (guide,), seconds + 2 * docks.REST, held, docks.at_rest(placed))
 
 
-def arm(robot: Robot, side: str) -> tuple[str, ...]:
-    """Joints of one arm."""
-    return tuple(robot.joints[i] for i in robot.index(f"{side}_.*"))
+def arm(robot: Robot, site: str) -> tuple[str, ...]:
+    """Joints of the arm of a hand."""
+    return tuple(robot.joints[i] for i in robot.chain(site))
+
+
+@lru_cache(maxsize=4)
+def _world(name: str) -> World:
+    """The world of a robot with its docks."""
+    robot = find(name)
+    held = {"sugar": Held("sugar", docks.GRIPPER, (0, 0, 0.006))}
+    size = size_of(robot)
+    objects = {
+        dock: Placed("dock", tuple(pose.position.tolist()), size=size)
+        for dock, pose in docks.home(robot).items()
+    }
+    return furnished(robot, name, objects, held)

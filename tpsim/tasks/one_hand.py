@@ -1,0 +1,67 @@
+"""Worlds of tasks that one hand performs: the left one, or the only one."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from tpsim.errors import ArgumentError, SimulationError
+from tpsim.robot import anatomy
+from tpsim.robot.robot import Robot
+from tpsim.robot.views.sites import Site
+from tpsim.robot.views.view import View
+from tpsim.scene.compose import Held, Placed, world
+from tpsim.tasks.workplace import DEFAULT, Workplace, between
+from tpsim.world.comfort import comfortable
+from tpsim.world.world import World
+
+GRIPPER = "left_gripper"
+"""Site of the hand."""
+
+AHEAD = (0.52, 0.05, 0.0)
+"""Where the hand is at home, from the shoulder of an arm of size 1 [m]."""
+
+
+def furnished(
+    robot: Robot, name: str, objects: Mapping[str, Placed], held: Mapping[str, Held]
+) -> World:
+    """World of a robot at a table, its hand at home ahead and pointing down.
+
+    Raises
+    ------
+    ArgumentError
+        If the robot has no hand at ``left_gripper``, or cannot hold it there.
+    """
+    if GRIPPER not in robot.hands.values():
+        raise ArgumentError(
+            f"{name} has no hand at '{GRIPPER}', but at {', '.join(robot.hands.values())}: "
+            "describe its arms by lab.Arms, as docs/recipes/robot.md shows"
+        )
+    place = Workplace.of(robot)
+    stage = world(
+        robot,
+        objects=dict(objects) | place.furniture(),
+        held=held,
+        floor=place.floor,
+        cameras=place.cameras(between(robot)),
+    )
+    return stage if name == DEFAULT else stage.with_home(_home(stage, name))
+
+
+def _home(stage: World, name: str) -> np.ndarray:
+    """Posture (n,) with the hand ahead and pointing down, without contact."""
+    robot, simulation = stage.robot, stage.simulation()
+    size, shoulder = Workplace.of(robot).size, anatomy.shoulder(robot, GRIPPER)
+    down = Site(GRIPPER).axis("z", reference=np.diag([1.0, -1.0, -1.0]))
+    ahead = Site(GRIPPER).position.minus(shoulder + size * np.array(AHEAD))
+    liked: dict[View, float] = {ahead: 20.0}
+    try:
+        for q in comfortable(robot, [down], liked):
+            simulation.reset(q)
+            if not simulation.data.ncon and robot.is_comfortable(q):
+                return q
+    except SimulationError as error:
+        raise ArgumentError(f"{name} cannot point down before itself: {error}") from None
+    raise ArgumentError(
+        f"{name} has no posture with its hand ahead and pointing down that is free of contact and "
+        "leaves its motors torque to spare"
+    )

@@ -25,6 +25,7 @@ FLOORS = (
     ("task",),
     ("study",),
     ("tasks", "deploy"),
+    ("campaign",),
     ("lab", "section8", "data", "bench", "plot", "gallery"),
     ("cli",),
 )
@@ -43,6 +44,7 @@ WHAT = {
     "tasks": "cup and sugar, pointing, tracking, transfer",
     "deploy": "policies for real arms",
     "lab": "all of it, flat",
+    "campaign": "thousands of trials",
     "section8": "the comparison",
     "data": "files of users",
     "bench": "speeds",

@@ -1,5 +1,6 @@
 """Serial, pool, threads, shards, again and again: the same trials, bit for bit."""
 
+import resource
 import shutil
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -132,6 +133,20 @@ def test_what_fails_is_a_row_and_is_done_again_when_asked(described, begun, tmp_
     assert campaign(described, begun)["failed"] == 13
     mended = campaign(described, begun, retry=True)
     assert (mended["failed"], mended["performed"]) == (0, 26)
+
+
+def test_a_full_disk_is_one_line_and_it_goes_on_after_space_is_made(described, undisturbed, begun):
+    """A limit on file sizes stands for a disk that is full: both fail in the middle of writing."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))
+    try:
+        with pytest.raises(RecordingError, match=r"cannot write .*; make space") as error:
+            campaign(described, begun)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert "\n" not in str(error.value)
+    assert not list(begun.rglob(".*.part*")) and not list(begun.rglob("block-*"))
+    assert campaign(described, begun)["digest"] == undisturbed[0]["digest"]
 
 
 def test_signals_are_a_table(undisturbed, described):

@@ -40,6 +40,8 @@ def dask(address: str, workers: int) -> "Iterator[tuple[Callable[[int], Executor
     """
     with extra("Clusters", "cluster"):
         from distributed import Client, LocalCluster
+    # What it logs in paragraphs is said in one line here.
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     if address == LOCAL:
         with (
             LocalCluster(
@@ -103,9 +105,10 @@ class DaskExecutor(Executor):
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Forget what is not done; the cluster stays."""
         self._closed.set()
-        for there in list(self._running.values()):
-            there.cancel()
-        self._running.clear()
+        left, self._running = self._running, {}
+        if self._client.status == "running":  # else it would wait for a scheduler that is gone
+            for there in left.values():
+                there.cancel()
 
     def _finish(self, found: Future) -> None:
         from distributed import CancelledError, KilledWorker

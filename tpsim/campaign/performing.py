@@ -173,7 +173,7 @@ class Bench:
 
     def _situation(self, found: Asked) -> Situation:
         study, _ = self._lesson(found)
-        key = (found.lesson.number, found.situation)
+        key = found.twin[:3]
         draw = partial(draw_situation, study.task, found.lesson.teacher, found.situation)
         return _kept(self._situations, key, _SITUATIONS, draw)
 

@@ -1,5 +1,6 @@
 """The report of a campaign: figures with intervals, pairs, what fails together, what moves what."""
 
+import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +12,7 @@ from tpsim.campaign.folder import Folder
 from tpsim.campaign.pictures import compliance, force_displacement
 from tpsim.campaign.rows import Rows, figures_of
 from tpsim.campaign.statistics import Cluster, clusters, explained, mean, paired, share
-from tpsim.campaign.table import write_rows
+from tpsim.campaign.table import FAILED, write_rows
 from tpsim.study.latex import tabular
 from tpsim.study.measure import Measure
 from tpsim.study.recording import Answer
@@ -45,6 +46,33 @@ _SENSITIVITY = (
     "ratio), numbers in four equally filled bins: 1 means that the condition decides."
 )
 _EXTREMES = "Worst, median and best trial by {name}. `tpsim replay {folder} --trial N` repeats one."
+
+
+def standing(folder: Folder) -> Answer:
+    """How far a campaign is: ``trials``, ``done``, ``failed``, ``digest``."""
+    done, failed, found = 0, 0, hashlib.sha256()
+    for table in folder.tables(["trial", "outcome", "digest"]):
+        for row in table.to_pylist():
+            done += row["outcome"] != FAILED
+            failed += row["outcome"] == FAILED
+            found.update(f"{row['trial']} {row.get('digest') or row['outcome']}\n".encode())
+    return {
+        "trials": folder.campaign.trials,
+        "done": done,
+        "failed": failed,
+        "digest": found.hexdigest(),
+    }
+
+
+def status(folder: Folder) -> Answer:
+    """How far a campaign is, with a row for every controller on every plant so far."""
+    tables = list(folder.tables())
+    if not tables:
+        return standing(folder)
+    import pyarrow
+
+    rows = Rows.of(pyarrow.concat_tables(tables, promote_options="default"))
+    return {**standing(folder), "cells": cells(rows, figures_of(rows, list(DISTURBED)))}
 
 
 def label_of(folder: Folder) -> str:

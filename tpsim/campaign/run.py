@@ -1,6 +1,5 @@
 """Campaigns at work: what is not done yet is performed, here, in processes or on a cluster."""
 
-import hashlib
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -105,7 +104,7 @@ def campaign(
         raise
     wall = time.monotonic() - taught
     return {
-        **standing(opened),
+        **report.standing(opened),
         "performed": sum(one.trials for one in done),
         "teaching_seconds": round(taught - began, 2),
         "wall_seconds": round(wall, 2),
@@ -121,22 +120,6 @@ def study_of(described: Campaign, study: Study | None = None) -> Study:
     if unknown:
         described.check(found)  # which says what there is
     return lessons.with_fields(found, dict(described.fields))
-
-
-def standing(folder: Folder) -> Answer:
-    """How far a campaign is: ``trials``, ``done``, ``failed``, ``digest``."""
-    done, failed, found = 0, 0, hashlib.sha256()
-    for table in folder.tables(["trial", "outcome", "digest"]):
-        for row in table.to_pylist():
-            done += row["outcome"] != FAILED
-            failed += row["outcome"] == FAILED
-            found.update(f"{row['trial']} {row.get('digest') or row['outcome']}\n".encode())
-    return {
-        "trials": folder.campaign.trials,
-        "done": done,
-        "failed": failed,
-        "digest": found.hexdigest(),
-    }
 
 
 def finished(folder: Folder, study: Study) -> Answer:

@@ -198,12 +198,14 @@ class CampaignFile(Work, Command):
     """What tpsim campaign TASK --plan printed, changed as you like; or a campaign's folder."""
     study: str | None = None
     """Study of the campaign, where it is none of the built-in ones: my_task.py:study."""
+    status: FlagCreatePairsOff[bool] = False
+    """Say how far the campaign of a folder is, also while it runs; perform nothing."""
 
     def check(self) -> None:
         """Check the options."""
         if self.file.is_dir() and self.out is not None:
             raise ArgumentError(f"{self.file} goes on in its own folder; leave --out out")
-        if not self.file.is_dir():
+        if not (self.file.is_dir() or self.status):
             super().check()
 
     def execute(self) -> Answer:
@@ -212,6 +214,10 @@ class CampaignFile(Work, Command):
         from tpsim.campaign.folder import load_folder
         from tpsim.study.reference import is_ours, load_study
 
+        if self.status:
+            from tpsim.campaign.report import status
+
+            return status(load_folder(self.file))
         study = None if self.study is None else load_study(self.study)
         if not self.file.is_dir():
             return self.perform(read_campaign(self.file), study, f"tpsim campaign {self.file}")

@@ -23,7 +23,6 @@ PAGES = sorted(
      *(DOCS / "api").glob("*.md"), *(DOCS / "notebooks").glob("*.md")]
 )  # fmt: skip
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
-LIGHT = ("own-data", "tp-gmm-by-hand", "variable-impedance", "table-3")
 
 RUN_ELSEWHERE = {
     "deploy": "tests/deploy/test_page.py",
@@ -164,11 +163,8 @@ def test_a_notebook_is_stored_without_what_it_prints(book):
     assert cells[0]["source"][0].startswith("# ")
 
 
-@pytest.mark.parametrize("book", LIGHT)
-def test_a_light_notebook_runs(book, monkeypatch):
-    """The others take some ten seconds each; make docs runs all of them."""
-    if book == "own-data":
-        pytest.importorskip("pyarrow")
+@pytest.mark.parametrize("book", [book.stem for book in NOTEBOOKS])
+def test_a_notebook_runs(book, monkeypatch):
     import matplotlib
 
     matplotlib.use("agg")

@@ -49,7 +49,7 @@ def page(study, taught, tmp_path_factory):
     from tpsim.play.playground import playground
     from tpsim.play.server import Address
 
-    pages.FRAMES = 8.0  # enough for tests, and little work without a graphics card
+    pages.FRAMES = 5.0  # enough for tests, and little work without a graphics card
     folder = tmp_path_factory.mktemp("played") / "kept"
     address = Address("127.0.0.1", 0)
     before = set(threading.enumerate())
@@ -57,13 +57,16 @@ def page(study, taught, tmp_path_factory):
         # From above, so that the plane of the arm is that of the screen.
         camera = page.server.initial_camera
         camera.position, camera.look_at, camera.fov = (0.3, 0.199, 2.0), (0.3, 0.2, 0.0), 0.6
+        # Light without shadows: shaders are computed by the processor here.
+        page.server.scene.configure_default_lights(enabled=True, cast_shadow=False)
+        page.server.scene.configure_environment_map(None)
         yield page
     names = [t.name for t in set(threading.enumerate()) - before if t.name.startswith("tpsim")]
     assert names == [], "threads are left"
 
 
 def open_tab(browser, page):
-    tab = browser.new_page(viewport={"width": 1100, "height": 560})
+    tab = browser.new_page(viewport={"width": 1000, "height": 420})
     tab.set_default_timeout(1000 * PATIENCE)
     before = len(page.server.get_clients())
     tab.goto(f"http://127.0.0.1:{page.server.get_port()}")

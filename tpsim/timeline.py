@@ -73,8 +73,7 @@ def around(time: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray
     before = np.clip(np.searchsorted(time, wanted, side="right") - 1, 0, len(time) - 1)
     after = np.minimum(before + 1, len(time) - 1)
     span = time[after] - time[before]
-    # At the last sample there is no way to go: what is held there has not even rounding errors.
-    share = np.clip((wanted - time[before]) / np.where(span > 0, span, np.inf), 0.0, 1.0)
+    share = np.clip((wanted - time[before]) / np.where(span > 0, span, 1.0), 0.0, 1.0)
     return before, after, share
 
 

@@ -254,3 +254,15 @@ def test_a_short_demonstration_shows_nothing(session, study):
     with pytest.raises(ArgumentError, match=r"0\.1 s and shows nothing"):
         lessons.judge(session.task, session.stop())
     assert lessons.shown == {"bring": []}
+
+
+def test_a_recording_that_is_too_long_ends_by_itself_and_is_not_lost(session, monkeypatch):
+    from tpsim.play import session as sessions
+
+    monkeypatch.setattr(sessions, "LONGEST", 0.3)
+    session.record()
+    while session.ended is None:
+        session.advance(40)
+    assert not session.recording
+    assert session.ended.condition.duration == pytest.approx(0.3)
+    assert session.ended.trial.time[-1] == pytest.approx(0.29)

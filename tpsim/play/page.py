@@ -3,7 +3,7 @@
 import threading
 import time
 from collections.abc import Callable
-from functools import wraps
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -97,7 +97,6 @@ class Page:
     def guarded(self, work: Callable[[], object]) -> Callable[[object], None]:
         """A callback that says in the page what went wrong."""
 
-        @wraps(work)
         def call(event: object) -> None:
             try:
                 work()
@@ -146,6 +145,7 @@ class Page:
             with self.session.lock:
                 picture = Picture.of(self.session, stiffness=looks)
                 message, self.session.message = self.session.message, ""
+                ended, self.session.ended = self.session.ended, None
                 if looks:
                     self._curves.note()
             self.stage.draw(picture, stiffness=looks)
@@ -155,6 +155,9 @@ class Page:
                 words = self._words()
                 if words != said:
                     said = self._status.content = words
+            if ended is not None:
+                panel = self._teaching if ended.behaviour else self._performing
+                self.guarded(partial(panel.take, ended))(None)
             if message:
                 self.tell("tpsim", message, "yellow")
                 self.refresh()

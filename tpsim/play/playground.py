@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Protocol
 from tpsim.errors import RecordingError
 from tpsim.play.clock import RealTime
 from tpsim.play.lessons import Lessons
-from tpsim.play.page import Page
 from tpsim.play.server import Address, open_server, warn
 from tpsim.play.session import Session
 from tpsim.play.shelf import Shelf
@@ -21,6 +20,8 @@ from tpsim.task.verbs import Taught
 
 if TYPE_CHECKING:
     import viser
+
+    from tpsim.play.page import Page
 
 
 @contextmanager
@@ -33,7 +34,7 @@ def playground(
     seed: int = 0,
     command: str = "",
     apart: bool = True,
-) -> Iterator[Page]:
+) -> Iterator["Page"]:
     """Open the playground of a study for as long as the block lasts.
 
     Parameters
@@ -54,6 +55,8 @@ def playground(
     with ExitStack() as stack:
         server = open_server(address, f"tpsim · {study.task.name}")
         stack.callback(server.stop)
+        from tpsim.play.page import Page  # needs viser, of which open_server says if it is missing
+
         given = _given(study, source)
         lessons = Lessons(study, given, apart=apart)
         stack.callback(lessons.close)

@@ -87,6 +87,8 @@ class Session:
     hands : Hands
     speed : float
         Simulated over real time; 0 where it is paused.
+    ended : Recorded, optional
+        A recording that ended by itself, for whoever keeps it.
     message : str
         The last thing that happened by itself, such as that the robot diverged.
     """
@@ -103,6 +105,7 @@ class Session:
         self.compared = ""
         self.situation = self._draw()
         self.recorded: Recorded | None = None
+        self.ended: Recorded | None = None
         self.armed, self._behaviour = False, ""
         self._objects: dict[Hashable, tuple[str, np.ndarray]] = {}
         self.beside: Rollout | None = None
@@ -138,7 +141,7 @@ class Session:
                 self.beside = None
             if self.recording and self.going.steps >= longest:
                 self.message = f"The recording ended after {LONGEST:g} s."
-                self.stop()
+                self.ended = self.stop()
                 return done
         if not self.recording:
             self.hands.forget()

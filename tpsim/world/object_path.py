@@ -96,7 +96,8 @@ class ObjectPath:
         if times.ndim != 1:
             raise ArgumentError(f"times have shape {times.shape}; give (T,)")
         before, after, share = around(np.array(self.times), times)
-        p, share = np.array(self.positions), share[:, None]
+        # At rest there is no way to go, and nothing that rounding errors could come from.
+        p, share = np.array(self.positions), np.where(before == after, 0.0, share)[:, None]
         turned = np.array(self.quaternions)
         size = np.linalg.norm(turned, axis=1, keepdims=True)
         # What is a unit already stays as it is, so that poses of this path make the same path.

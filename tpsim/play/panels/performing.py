@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import viser
 
+from tpsim.play.session import Recorded
+
 if TYPE_CHECKING:
     from tpsim.play.page import Page
 
@@ -137,12 +139,18 @@ class PerformingPanel:
             session.advance(max(1, round(0.01 / session.world.timestep)))
 
     def _toggle_record(self) -> None:
-        page, session = self._page, self._page.session
+        session = self._page.session
         with session.lock:
             if not session.recording:
                 session.record()
                 return
-            recorded, study, models = session.stop(), session.study, session.models
+            recorded = session.stop()
+        self.take(recorded)
+
+    def take(self, recorded: Recorded) -> None:
+        """Keep a performance."""
+        page, session = self._page, self._page.session
+        study, models = session.study, session.models
         assert models is not None
         place = page.shelf.keep_performance(study, models, recorded, session.seed)
         self._kept.content = f"Kept in `{place}`; `tpsim replay` repeats it bit for bit."

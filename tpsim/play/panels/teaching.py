@@ -113,14 +113,19 @@ class TeachingPanel:
         self._page.session.others = self._others.value
 
     def _toggle(self) -> None:
-        page, session = self._page, self._page.session
+        session = self._page.session
         with session.lock:
             if not (session.mode == "teach" and (session.recording or session.armed)):
                 session.start_demonstration(self._behaviour.value)
                 self._pending = None
                 return
             recorded = session.stop()
-        self._pending = page.lessons.judge(session.task, recorded)
+        self.take(recorded)
+
+    def take(self, recorded: Recorded) -> None:
+        """Judge a demonstration, and ask what shall become of it."""
+        page = self._page
+        self._pending = page.lessons.judge(page.session.task, recorded)
 
     def _keep_it(self) -> None:
         page, pending = self._page, self._pending

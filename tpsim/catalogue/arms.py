@@ -2,8 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import mujoco
 
@@ -51,7 +50,7 @@ class Arms:
         Sides that are none, or a right arm alone.
     """
 
-    file: str | Path | mujoco.MjSpec
+    file: Any
     grippers: Mapping[Side, Gripper]
     elbows: Mapping[Side, str] = field(default_factory=dict)
     torque_limit: Limit = None

@@ -104,15 +104,16 @@ def _gripper(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Gripper:
         corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
         points.extend(data.geom_xpos[geom] + (centre + corners * half) @ Rg.T)
     cloud = (np.array(points) - p) @ R
-    reach = np.zeros(3)
+    reach: np.ndarray = np.zeros(3)
     middle = cloud.mean(0)
     axis = int(np.abs(middle).argmax())
     reach[axis] = np.sign(middle[axis]) or 1.0
     tip = float((cloud @ reach).max())
     across = _across(model, data, body, R, axis)
     x, y, z = (max(tip - TIP, 0.0) * reach).tolist()
-    name = model.body(body).name
-    return Gripper(name, (x, y, z), tuple(reach.tolist()), tuple(across.tolist()))
+    a, b, c = reach.tolist()
+    d, e, f = across.tolist()
+    return Gripper(model.body(body).name, (x, y, z), (a, b, c), (d, e, f))
 
 
 def _across(

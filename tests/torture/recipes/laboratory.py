@@ -121,7 +121,6 @@ def _robot(book: Book) -> None:
         velocity_limit=2.0,
         home=(0.4, 0.9),
     )
-    add("lab.Arms.robot", lab.Arms(ARM, {"left": grip}, torque_limit=30.0, home=(0.4, 0.9)).robot)
     add("lab.Robot.at", ROBOT.at, q=START, dq=0.1 * START, objects=OBJECTS, time=0.1)
     add("lab.Robot.chain", ROBOT.chain, site="tip")
     add("lab.Robot.index", ROBOT.index, joints="sh.*")

@@ -9,6 +9,7 @@ import numpy as np
 from tpsim.study import health
 from tpsim.study.measure import Measure
 from tpsim.study.record import Record, Records
+from tpsim.task.task import Task
 from tpsim.tasks.pointing.pointers import OBJECTS
 from tpsim.tasks.pointing.task import FLAT, Pointing
 from tpsim.tasks.pointing.teacher import PHASES
@@ -89,7 +90,7 @@ def _angle_measures() -> list[Measure]:
     return found
 
 
-def measures(task: Pointing) -> tuple[Measure, ...]:
+def measures(task: Task) -> tuple[Measure, ...]:
     """Measures of pointing; a small arm is asked to be faster than one with fourteen joints."""
     return (
         *_angle_measures(),
@@ -113,5 +114,5 @@ def measures(task: Pointing) -> tuple[Measure, ...]:
         health.DIVERGED,
         health.CONTACTS,
         health.INJECTED,
-        health.realtime(25.0 if task.robot == FLAT else 8.0),
+        health.realtime(25.0 if cast(Pointing, task).robot == FLAT else 8.0),
     )

@@ -49,7 +49,7 @@ PAGES = {
     "rotation": ("tpsim.rotation", None),
     "plot": ("tpsim.plot", None),
     "data": ("tpsim.data", None),
-    "robot": ("tpsim.lab", ("", "robot")),
+    "robot": ("tpsim.lab", ("", "robot", "catalogue")),
     "world": ("tpsim.lab", ("world", "scene", "film")),
     "controllers": ("tpsim.lab", ("controllers",)),
     "task": ("tpsim.lab", ("task",)),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tpsim import lab
-from tpsim.robot.robot import RUBBING
+from tpsim.robot.mechanism import RUBBING
 
 ARM = """
 <mujoco>

@@ -5,6 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+RUBBING = 0.05
+"""Speed [rad/s] about which friction is compensated: below it, less of it is."""
+
 
 @dataclass(frozen=True, eq=False)
 class Mechanism:

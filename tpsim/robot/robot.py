@@ -16,7 +16,7 @@ from tpsim.checks import finite_array, number, shown
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.pose import Pose
 from tpsim.robot.indices import Indices, Names
-from tpsim.robot.mechanism import Mechanism
+from tpsim.robot.mechanism import RUBBING, Mechanism
 from tpsim.robot.objects import NONE, Objects
 from tpsim.robot.state import State
 
@@ -31,10 +31,6 @@ if TYPE_CHECKING:
     from tpsim.robot.limits import Limit
 
 _ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-
-
-RUBBING = 0.05
-"""Speed [rad/s] about which friction is compensated: below it, less of it is."""
 
 
 class Robot:
@@ -203,13 +199,7 @@ class Robot:
         objects: Objects | Mapping[str, Pose] = NONE,
         time: float = 0.0,
     ) -> State:
-        """State at joint angles q (n,) [rad] and velocities dq (n,) [rad/s], zero by default.
-
-        Raises
-        ------
-        ArgumentError
-            If q or dq has another shape.
-        """
+        """State at joint angles q (n,) [rad] and velocities dq (n,) [rad/s], zero by default."""
         q, dq = self.posture("q", q), np.zeros(self.n) if dq is None else self.posture("dq", dq)
         x = np.concatenate((q, dq))
         x.flags.writeable = False
@@ -225,13 +215,7 @@ class Robot:
         return found
 
     def index(self, joints: Names) -> np.ndarray:
-        """Indices (k,) in q of joints: a regular expression of whole names, names, or a chain.
-
-        Raises
-        ------
-        ArgumentError
-            If nothing matches; the message lists the joints.
-        """
+        """Indices (k,) in q of joints: a regular expression of whole names, names, or a chain."""
         return self._indices.find(joints)
 
     def span(self, joints: Names) -> slice | np.ndarray:
@@ -251,10 +235,7 @@ class Robot:
         return self._with_springs(torque, q) if self._sprung else torque
 
     def friction_torque(self, dq: np.ndarray) -> np.ndarray:
-        """Torque (n,) [Nm] against the joints' friction at dq (n,), smooth about rest.
-
-        ``friction * tanh(dq / RUBBING)``: never more than what friction takes.
-        """
+        """Torque (n,) [Nm] against friction at dq (n,), smooth, never more than it takes."""
         torque: np.ndarray = self.friction * np.tanh(dq / RUBBING)
         return torque
 

@@ -2,6 +2,7 @@
 
 import ast
 import json
+import os
 import re
 import sys
 from importlib import import_module
@@ -99,9 +100,13 @@ def test_a_command_is_understood(page, line, tmp_path, monkeypatch):
     task = "\n".join(blocks(DOCS / "recipes/task.md", "python")[:1])
     (tmp_path / "visit.py").write_text(task)
     (tmp_path / "my_task.py").write_text(task)
-    for folder in ("my_folder", "reach"):
+    for folder in ("my_folder", "reach", "pushes", "others"):
         (tmp_path / folder).mkdir()
-    program, *words = line.replace("'", "").split()
+    # A folder of a campaign that began, and an array's job.
+    (tmp_path / "pushes" / "campaign.json").write_text("{}")
+    monkeypatch.setenv("SCRATCH", str(tmp_path))
+    monkeypatch.setenv("SLURM_ARRAY_TASK_ID", "17")
+    program, *words = os.path.expandvars(line.replace("'", "")).removesuffix(" &").split()
     if program == "make":
         assert all(f"\n{word}:" in (ROOT / "Makefile").read_text() for word in words)
     elif program == "pip":
@@ -110,6 +115,8 @@ def test_a_command_is_understood(page, line, tmp_path, monkeypatch):
     elif program == "python":
         file = words[2] if words[0] == "-m" and words[1] == "pytest" else words[0]
         assert words[:2] == ["-m", "pytest"] or (ROOT / file).exists()
+    elif program == "dask":
+        assert words[0] in ("scheduler", "worker")
     else:
         from tpsim.cli.parse import parse
 

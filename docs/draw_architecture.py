@@ -21,7 +21,7 @@ FLOORS = (
     ("robot",),
     ("world",),
     ("controllers",),
-    ("scene", "film"),
+    ("scene", "film", "catalogue"),
     ("task",),
     ("study",),
     ("tasks", "deploy"),
@@ -51,6 +51,7 @@ WHAT = {
     "bench": "speeds",
     "plot": "figures",
     "gallery": "the demos",
+    "catalogue": "robots by name",
     "play": "teach, push and watch in the browser",
     "cli": "the command line",
 }

@@ -44,9 +44,12 @@ def test_a_broken_folder_is_one_line(tmp_path, capsys):
 def test_ctrl_c_is_the_ordinary_end():
     pytest.importorskip("viser")
     command = [sys.executable, "-m", "tpsim", "play", "plane", "--port", "0"]
+    # Shells start what runs in the background deaf to SIGINT.
+    deaf = signal.signal(signal.SIGINT, signal.default_int_handler)
     process = subprocess.Popen(
         command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env={**os.environ}
     )
+    signal.signal(signal.SIGINT, deaf)
     try:
         line = process.stderr.readline()
         assert re.search(r"open http://127\.0\.0\.1:\d+ in a browser", line)

@@ -156,8 +156,7 @@ def test_led_objects_are_where_their_paths_say(study):
 
 def test_a_following_hand_keeps_its_place_beside_the_other():
     """Its wanted pose moves with the other hand: twist is the derivative of the pose."""
-    from tpsim.tasks.robots import planar5
-
+    from tpsim.catalogue.ours import planar5
     from tpsim.world.world import World
 
     world = World.compose(planar5())

@@ -58,7 +58,11 @@ def test_modules_and_short_names_are_found(user):
         ("x = (", "study", r"does not import \(mine.py, line 5\): SyntaxError"),
         ("import no_such_thing", "study", r"mine.py, line 5\): ModuleNotFoundError"),
         ("raise SystemExit(3)", "study", r"line 5\): SystemExit: 3"),
-        ("Study(Bring(), 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)", "study", r"line 5\): TypeError"),
+        (
+            "Study(Bring(), 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14)",
+            "study",
+            r"line 5\): TypeError",
+        ),
         ("a = Study(Bring())\nb = Bring()", "study", "has no 'study'; it has a, b"),
         ("studio = 3", "study", "it has no study at all: write study = "),
         ("study = 3", "study", "is of type int; name a Study, a Task"),

@@ -16,6 +16,8 @@ SUMMARIES = {
     "data": "Look at a file of recordings, or convert it into another format.",
     "tune": "Tune the experts that a task is compared with, and write their gains.",
     "compare": "Measure the methods of the tutorial's Section 8, and yours, side by side.",
+    "play": "Teach, push and watch a TASK in the browser; or a RUN_FOLDER, or plane, the 2-D "
+    "example.",
     "bench": "Measure speeds: learning, retrieval, control, simulation, or all of them.",
     "demo": "Run a row of the tutorial's Table 2, as numbers and a picture, or list them all.",
     "robots": "List the robots at hand, or show one: limits, reach, load at home, changes.",

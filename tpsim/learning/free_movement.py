@@ -59,6 +59,14 @@ class Relevance(Part):
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             object.__setattr__(self, name, frozen_array(name, value))
+        try:
+            # Its root is what controllers need.
+            np.linalg.cholesky(self.free)
+        except np.linalg.LinAlgError:
+            raise ArgumentError(
+                f"free has shape {self.free.shape} and is not positive definite: give the "
+                "covariance of free movement (d, d)"
+            ) from None
 
     @property
     def matters(self) -> np.ndarray:

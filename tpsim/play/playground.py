@@ -133,8 +133,8 @@ def _shown(
 def _wait(address: Address, server: "viser.ViserServer", page: Shown) -> None:
     """Say where the page is, and wait for Ctrl-C."""
     url = address.url(server.get_port())
-    print(f"tpsim: open {url} in a browser; Ctrl-C ends it", file=sys.stderr, flush=True)
     try:
+        print(f"tpsim: open {url} in a browser; Ctrl-C ends it", file=sys.stderr, flush=True)
         while page.is_alive():
             time.sleep(0.2)
     except KeyboardInterrupt:

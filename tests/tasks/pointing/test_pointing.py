@@ -79,7 +79,9 @@ def test_unseen_objects_at_rest_moving_jumping_and_a_pushed_arm(taught):
         people = condition.people
         records.add(condition, perform(task, models, condition.situation, people=people))
     figures = {m.name: m.figure(records) for m in pointing.all_measures}
-    results = [m.result(figures[m.name]) for m in pointing.all_measures if figures[m.name] is not None]
+    results = [
+        m.result(figures[m.name]) for m in pointing.all_measures if figures[m.name] is not None
+    ]
     assert all(record.trial.outcome == "done" for record in records)
     assert len(results) >= 8 and all(result.passed is not False for result in results), figures
     assert figures["angle_deg"] <= 1.5 and figures["angle_pushed_deg"] <= 4.0

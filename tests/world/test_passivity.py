@@ -9,6 +9,7 @@ from tpsim.controllers.renewed import FixedImpedance
 from tpsim.errors import ArgumentError
 from tpsim.world.episode import Episode
 from tpsim.world.impedance import Drive, Impedance
+from tpsim.world.people.push import Push
 from tpsim.world.rollout import rollout
 from tpsim.world.tank import UNLIMITED, Tank
 from tpsim.world.world import World
@@ -221,3 +222,20 @@ def test_tanks_that_make_no_sense_are_refused():
         Tank(-1.0)
     with pytest.raises(ArgumentError, match=r"tank capacity is 1\.0 J; give at least"):
         Tank(2.0, 1.0)
+
+
+class Driving:
+    """No spring at all, and a damper that pushes on."""
+
+    def command(self, state, time):
+        n = len(state.q)
+        return Impedance(np.zeros((n, n)), -4.0 * np.eye(n), state.q.copy())
+
+
+def test_without_a_spring_an_empty_tank_holds_nothing_back_but_the_damper(planar3_world):
+    """What is owned may be a rounding below zero, while the spring holds exactly nothing."""
+    push = Push("tip", (0.0, 3.0, 0.0), 0.02, 0.1)
+    home = planar3_world.robot.home
+    trial = rollout(planar3_world, Driving(), home, 0.6, people=[push], tank=Tank(0.02))
+    assert trial.outcome == "done"
+    assert trial["energy_injected"].max() <= 0.02 + 1e-9

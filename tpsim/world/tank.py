@@ -229,7 +229,8 @@ class Ledger:
         # What the tank cannot hold is lost.
         owned = self._owned = min(self._owned, stored + self._size)
         # Where less than this is owned, the spring pulls less.
-        self._share = 1.0 if stored <= owned else max(owned, 0.0) / stored
+        least = max(owned, 0.0)
+        self._share = 1.0 if stored <= least else least / stored
         self._scarce = self._share < 1.0 or owned < self._reserve
         stored *= self._share
         taken = self._dissipated

@@ -1,7 +1,7 @@
 """A campaign: what is tried, as a value of which each trial is a pure function."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import prod
 from pathlib import Path
@@ -19,6 +19,8 @@ from tpsim.world.plant import NOMINAL, PLANTS, Plant
 
 DEMONSTRATIONS = "demonstrations"
 """May be swept as fields of the task are: how often each behaviour is taught."""
+
+_PLANTS = {"nominal": NOMINAL, **PLANTS}
 
 Kept = Literal["figures", "signals", "everything"]
 
@@ -120,7 +122,8 @@ class Campaign:
             given = tuple(getattr(self, name))
             if not given or len(set(given)) < len(given):
                 raise ArgumentError(f"campaign {name} are {given}; name each once, at least one")
-        assert self.all_plants
+        if not isinstance(self.plants, Mapping):
+            _known("plant", self.plants, _PLANTS)
 
     @property
     def people(self) -> Pushes | Leads | None:
@@ -129,20 +132,10 @@ class Campaign:
 
     @property
     def all_plants(self) -> dict[str, Plant]:
-        """Plants by name.
-
-        Raises
-        ------
-        ArgumentError
-            If there is no plant of a name.
-        """
+        """Plants by name."""
         if isinstance(self.plants, Mapping):
             return dict(self.plants)
-        known = {"nominal": NOMINAL, **PLANTS}
-        for name in self.plants:
-            if name not in known:
-                raise ArgumentError(f"there is no plant '{name}'; there are {', '.join(known)}")
-        return {name: known[name] for name in self.plants}
+        return {name: _PLANTS[name] for name in self.plants}
 
     @property
     def crossed(self) -> int:
@@ -208,9 +201,9 @@ def _most(levels: Levels) -> float:
     return levels.high if isinstance(levels, Span) else max(levels)
 
 
-def _known(kind: str, given: object, allowed: object) -> None:
-    names = list(allowed)  # type: ignore[call-overload]
-    for name in given:  # type: ignore[attr-defined]
+def _known(kind: str, given: Iterable[str], allowed: Iterable[str]) -> None:
+    names = list(allowed)
+    for name in given:
         if name not in names:
             raise ArgumentError(f"there is no {kind} '{name}'; there are {', '.join(names)}")
 

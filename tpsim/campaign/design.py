@@ -167,7 +167,7 @@ def _varied(campaign: Campaign) -> dict[str, tuple | Span]:
 
 def _drawn(campaign: Campaign, seed: int, situation: int, k: int) -> dict[str, Any]:
     """What varies, for one point; the same for every lesson of a teacher's seed."""
-    varied = _varied(campaign)
+    varied, performed = _varied(campaign), _performed(campaign)
     if campaign.design == "latin hypercube":
         row = _cube(campaign, len(varied))[situation * campaign.repeats + k]
         return {name: _at(levels, u) for (name, levels), u in zip(varied.items(), row, strict=True)}
@@ -178,7 +178,7 @@ def _drawn(campaign: Campaign, seed: int, situation: int, k: int) -> dict[str, A
         if isinstance(levels, tuple):
             rest, which = divmod(rest, len(levels))
             found[name] = levels[which]
-            if name not in _performed(campaign):
+            if name not in performed:
                 paired = paired * len(levels) + which
     key = (_DRAWS, situation, paired, repeat)
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))

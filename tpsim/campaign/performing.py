@@ -177,16 +177,20 @@ class Bench:
         draw = partial(draw_situation, study.task, found.lesson.teacher, found.situation)
         return _kept(self._situations, key, _SITUATIONS, draw)
 
-    def _condition(self, found: Asked) -> Condition:
-        """What is performed, a lead from where the twin's site is."""
-        campaign, (study, _) = self._folder.campaign, self._lesson(found)
-        rest = Condition(
+    def _rest(self, found: Asked) -> Condition:
+        """The trial without anybody who disturbs it."""
+        return Condition(
             UNPUSHED,
             self._situation(found),
             found.controller,
             plant=self._plants[found.plant],
-            duration=campaign.duration,
+            duration=self._folder.campaign.duration,
         )
+
+    def _condition(self, found: Asked) -> Condition:
+        """What is performed, a lead from where the twin's site is."""
+        campaign, (study, _) = self._folder.campaign, self._lesson(found)
+        rest = self._rest(found)
         duration = campaign.duration or study.task.duration
         hand = next(iter(study.task.stage.robot.hands.values()))
         people = campaign.people
@@ -202,16 +206,8 @@ class Bench:
         """The same trial undisturbed."""
 
         def performed() -> Record:
-            rest = Condition(
-                UNPUSHED,
-                self._situation(found),
-                found.controller,
-                plant=self._plants[found.plant],
-                duration=self._folder.campaign.duration,
-            )
-            study, models = self._lesson(found)
-            records = Records(study.task, models)
-            return records.add(rest, self._performed(found, rest))
+            (study, models), rest = self._lesson(found), self._rest(found)
+            return Records(study.task, models).add(rest, self._performed(found, rest))
 
         return _kept(self._twins, found.twin, _TWINS, performed)
 

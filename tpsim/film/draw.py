@@ -8,7 +8,6 @@ import os
 import pickle
 import sys
 from contextlib import ExitStack
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -86,16 +85,19 @@ class Painter:
     def picture(self, sample: int) -> np.ndarray:
         """Draw one sample: (height, width, 3) bytes."""
         self._pose(sample)
-        centre = self._clip.centre
-        camera = self._camera if centre is None else self._towards(centre, _NEARER)
-        self._renderer.update_scene(self._data, camera)
+        self._renderer.update_scene(self._data, self._camera)
+        eyes = self._renderer.scene.camera
+        eye = (eyes[0].pos + eyes[1].pos) / 2
+        if self._clip.centre is not None:
+            nearer = _towards(self._clip.centre, _NEARER, eye)
+            self._renderer.update_scene(self._data, nearer)
         self._renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
         self._renderer.scene.flags[mujoco.mjtRndFlag.mjRND_FOG] = True
         self._draw_over(sample)
         picture = self._renderer.render()
         if self._near is not None:
             above = self._caption.bar if self._caption else 0
-            overlay.inset(picture, self._close_up(sample), above)
+            overlay.inset(picture, self._close_up(sample, eye), above)
         self._readings.draw(picture, sample)
         if self._legend is not None:
             self._legend.draw(picture)
@@ -104,26 +106,13 @@ class Painter:
             self._caption.draw(picture, self._clip.time[sample], float(max(forces, default=0.0)))
         return picture
 
-    def _close_up(self, sample: int) -> np.ndarray:
+    def _close_up(self, sample: int, eye: np.ndarray) -> np.ndarray:
         """The same moment from near, along the same line of sight."""
         assert self._near is not None and self._clip.close is not None
-        camera = self._towards(self._clip.close[sample], _NEAR)
-        self._near.update_scene(self._data, camera)
+        self._near.update_scene(self._data, _towards(self._clip.close[sample], _NEAR, eye))
         self._near.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
         small: np.ndarray = self._near.render()
         return small
-
-    def _towards(self, point: np.ndarray, distance: float) -> mujoco.MjvCamera:
-        """A camera that sees a point from the direction of the film's camera."""
-        self._renderer.update_scene(self._data, self._camera)
-        eyes = self._renderer.scene.camera
-        away = point - (eyes[0].pos + eyes[1].pos) / 2
-        camera = mujoco.MjvCamera()
-        camera.lookat[:] = point
-        camera.distance = distance
-        camera.azimuth = np.degrees(np.arctan2(away[1], away[0]))
-        camera.elevation = np.degrees(np.arctan2(away[2], np.hypot(*away[:2])))
-        return camera
 
     def _pose(self, sample: int) -> None:
         clip, data = self._clip, self._data
@@ -146,9 +135,15 @@ class Painter:
             overlay.arrow(scene, arrow.point[sample], arrow.force[sample])
 
 
-def _widened(angle: Any, factor: float) -> Any:
-    """Angles of view [deg] at which so many times as much is seen."""
-    return np.degrees(2 * np.arctan(factor * np.tan(np.radians(angle) / 2)))
+def _towards(point: np.ndarray, distance: float, eye: np.ndarray) -> mujoco.MjvCamera:
+    """A camera that sees a point from so near, from the direction of an eye."""
+    away = point - eye
+    camera = mujoco.MjvCamera()
+    camera.lookat[:] = point
+    camera.distance = distance
+    camera.azimuth = np.degrees(np.arctan2(away[1], away[0]))
+    camera.elevation = np.degrees(np.arctan2(away[2], np.hypot(*away[:2])))
+    return camera
 
 
 def main() -> None:

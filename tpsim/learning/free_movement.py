@@ -59,14 +59,7 @@ class Relevance(Part):
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             object.__setattr__(self, name, frozen_array(name, value))
-        try:
-            # Its root is what controllers need.
-            np.linalg.cholesky(self.free)
-        except np.linalg.LinAlgError:
-            raise ArgumentError(
-                f"free has shape {self.free.shape} and is not positive definite: give the "
-                "covariance of free movement (d, d)"
-            ) from None
+        _check_positive(self.free)
 
     @property
     def matters(self) -> np.ndarray:
@@ -116,11 +109,24 @@ def relevance(
             f"free has shape {free.shape} and there are {len(kinds)} kinds; the frame has {d} "
             f"dimensions, so give ({d}, {d}) and {d}"
         )
-    if np.linalg.eigvalsh(free)[0] <= 0:
-        raise ArgumentError("free is not positive definite: give the covariance of free movement")
+    _check_positive(free)
     found = [_relevance(c, free, kinds, samples) for c in gaussian.covariance]
     parts = [np.array(part) for part in zip(*found, strict=True)]
     return Relevance(parts[0], free, *parts[1:])
+
+
+def _check_positive(free: np.ndarray) -> None:
+    """Refuse what is no covariance: controllers take its root, too."""
+    try:
+        np.linalg.cholesky(free)
+        positive = np.linalg.eigvalsh(free)[0] > 0
+    except np.linalg.LinAlgError:
+        positive = False
+    if not positive:
+        raise ArgumentError(
+            f"free has shape {free.shape} and is not positive definite: give the covariance of "
+            "free movement (d, d)"
+        )
 
 
 def _relevance(

@@ -8,7 +8,7 @@ import numpy as np
 
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.learning.tp_gmm import TPGMM
-from tpsim.play.session import Recorded
+from tpsim.play.recording import Recorded
 from tpsim.study.study import Study
 from tpsim.study.workers import Death, Workers
 from tpsim.task.acceptance import refusal

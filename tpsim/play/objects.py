@@ -1,6 +1,6 @@
 """Objects that are led by hand while time passes, and the paths that repeat it."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 
 import numpy as np
 
@@ -45,6 +45,7 @@ class LedObjects:
         self._simulation, self._rows = simulation, simulation.objects
         self._block = max(1, round(BLOCK / simulation.timestep))
         self._led: dict[str, _Led] = {}
+        self._taken: dict[Hashable, tuple[str, np.ndarray]] = {}
         self._step = -1
         self.now = self._scripted.now
 
@@ -64,6 +65,22 @@ class LedObjects:
             np.stack([before.positions, positions]), np.stack([before.quaternions, turned]), h
         )[1]
         self.now = Objects(self._rows, positions, turned, twists)
+
+    def take(self, who: Hashable, name: str, where: np.ndarray) -> None:
+        """Take hold of an object at a point of the world (3,) [m]."""
+        self._taken[who] = name, np.array(where, float) - self.pose(name).position
+
+    def move(self, who: Hashable, where: np.ndarray, turned: Quaternion | None = None) -> bool:
+        """Lead what somebody holds, so that the point held goes there; False if it is nothing."""
+        if who not in self._taken:
+            return False
+        name, offset = self._taken[who]
+        self.want(name, np.asarray(where, float) - offset, turned)
+        return True
+
+    def let_go(self, who: Hashable) -> None:
+        """Let go; of no use to who holds nothing."""
+        self._taken.pop(who, None)
 
     def want(self, name: str, position: np.ndarray, quaternion: Quaternion | None = None) -> None:
         """Lead an object to a pose; it keeps how it is turned by default."""

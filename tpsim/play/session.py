@@ -5,7 +5,7 @@ hold ``lock`` meanwhile; nothing here knows of browsers.
 """
 
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from threading import RLock
 from typing import Literal
 
@@ -16,6 +16,7 @@ from tpsim.errors import ArgumentError
 from tpsim.play.beside import SameForce, SameObjects, forget_hands
 from tpsim.play.hands import Hands, Others, Pull, body_name
 from tpsim.play.objects import LedObjects
+from tpsim.play.recording import Recorded
 from tpsim.study.condition import Condition
 from tpsim.study.study import Study
 from tpsim.task.task import Models, Situation, Task, draw_situation
@@ -23,7 +24,6 @@ from tpsim.world.impedance import Controller
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.drag import Quaternion
 from tpsim.world.rollout import Rollout
-from tpsim.world.trial import Trial
 from tpsim.world.weightless import Weightless
 from tpsim.world.world import World
 
@@ -40,27 +40,6 @@ LONGEST = 120.0
 
 INSIDE = 1e-3
 """Distance [rad] to the joint limits from which a roll-out begins, at least."""
-
-
-@dataclass(frozen=True)
-class Recorded:
-    """What was recorded, with what repeats it.
-
-    Parameters
-    ----------
-    trial : Trial
-    condition : Condition
-        Of a performance; of a demonstration its start, objects, hands and duration.
-    behaviour : str
-        That was shown; empty for a performance.
-    fault : str
-        Why it had better not be learned from; empty where nothing speaks against it.
-    """
-
-    trial: Trial
-    condition: Condition
-    behaviour: str = ""
-    fault: str = ""
 
 
 class Session:
@@ -94,11 +73,10 @@ class Session:
     """
 
     def __init__(self, study: Study, models: Models | None = None, seed: int = 0):
-        self.study, self.models, self.seed = study, models, seed
+        self.study, self.models, self.seed, self.index = study, models, seed, 0
         self.lock, self.speed, self.message = RLock(), 1.0, ""
         self.world: World = study.task.stage
         self._simulation, self._beside = self.world.simulation(), self.world.simulation()
-        self.index = 0
         self.mode: Mode = "perform"
         self.others: Others = "held"
         self.controller = "learned" if models is not None else HOLD
@@ -107,7 +85,6 @@ class Session:
         self.recorded: Recorded | None = None
         self.ended: Recorded | None = None
         self.armed, self._behaviour = False, ""
-        self._objects: dict[Hashable, tuple[str, np.ndarray]] = {}
         self.beside: Rollout | None = None
         self._begin_performance()
 
@@ -156,16 +133,13 @@ class Session:
         """Controllers that can perform now, by name."""
         names = tuple(self.study.all_controllers)
         if self.models is None:
-            names = tuple(name for name in names if name != "learned")
-            return (HOLD, *names)
+            return (HOLD, *(name for name in names if name != "learned"))
         return names
 
     def perform(self, controller: str | None = None) -> None:
         """Perform the task from its start with one of the controllers."""
         if controller is not None:
-            if controller not in self.controllers:
-                raise ArgumentError(f"no controller '{controller}': {', '.join(self.controllers)}")
-            self.controller = controller
+            self.controller = self._known(controller)
         self.mode, self.armed = "perform", False
         self._begin_performance()
 
@@ -184,9 +158,7 @@ class Session:
 
     def compare(self, controller: str) -> None:
         """Let another controller perform beside it, pushed with the same forces; "" for none."""
-        if controller and controller not in self.controllers:
-            raise ArgumentError(f"no controller '{controller}': {', '.join(self.controllers)}")
-        self.compared = controller
+        self.compared = self._known(controller) if controller else ""
         if self.mode == "perform":
             self._begin_performance()
 
@@ -238,17 +210,13 @@ class Session:
                 self.armed = False
                 raise ArgumentError("nothing was shown yet: take hold of a hand and lead it")
             raise ArgumentError("nothing is being recorded; start a recording first")
-        going, showed = self.going, self.mode == "teach"
-        drags, moved = self.hands.values(), self.led.paths()
-        trial, duration = going.trial(), self.time
-        start = tuple(self._start.tolist())
-        situation = replace(self.situation, start=start, objects=moved)
-        name = "shown" if showed else "played"
-        found = Condition(
-            name, situation, "" if showed else self.controller, drag=drags, duration=duration
-        )
-        self.recorded = Recorded(trial, found, self._behaviour if showed else "")
-        self.armed = going.recorded = False
+        start, drags = tuple(self._start.tolist()), self.hands.values()
+        situation = replace(self.situation, start=start, objects=self.led.paths())
+        showed = self.mode == "teach"
+        name, controller = ("shown", "") if showed else ("played", self.controller)
+        found = Condition(name, situation, controller, drag=drags, duration=self.time)
+        self.recorded = Recorded(self.going.trial(), found, self._behaviour if showed else "")
+        self.armed = self.going.recorded = False
         return self.recorded
 
     # Hands
@@ -259,7 +227,7 @@ class Session:
         """Take hold of a body (its number) or site at a point of the world, or of an object."""
         name = body if isinstance(body, str) else body_name(self.world.model, body)
         if name in self._simulation.objects:
-            self._objects[who] = (name, np.array(where, float) - self.led.pose(name).position)
+            self.led.take(who, name, where)
             return
         if self.armed and not self.recording:
             self._begin_teaching(recorded=True)
@@ -271,15 +239,12 @@ class Session:
 
     def move(self, who: Hashable, where: np.ndarray, turned: Quaternion | None = None) -> None:
         """Pull, or lead the object, somewhere else; of no use to who holds nothing."""
-        if who in self._objects:
-            name, offset = self._objects[who]
-            self.led.want(name, np.asarray(where, float) - offset, turned)
-        else:
+        if not self.led.move(who, where, turned):
             self.hands.want(who, where, turned)
 
     def let_go(self, who: Hashable) -> None:
         """Let go; of no use to who holds nothing."""
-        self._objects.pop(who, None)
+        self.led.let_go(who)
         self.hands.let_go(who)
 
     @property
@@ -291,6 +256,11 @@ class Session:
 
     def _draw(self) -> Situation:
         return draw_situation(self.task, self.seed, self.index)
+
+    def _known(self, controller: str) -> str:
+        if controller not in self.controllers:
+            raise ArgumentError(f"no controller '{controller}': {', '.join(self.controllers)}")
+        return controller
 
     def _make(self, name: str) -> Controller:
         if name == HOLD:
@@ -317,7 +287,6 @@ class Session:
         recorded: bool = False,
     ) -> None:
         self._start, self.beside = np.array(start, float), None
-        self._objects.clear()
         self.going = Rollout(
             self._simulation,
             controller,

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from tpsim import paths
 from tpsim.errors import ArgumentError
-from tpsim.play.session import HOLD, Recorded
+from tpsim.play.recording import Recorded
+from tpsim.play.session import HOLD
 from tpsim.study.files.about import Led, Performed, TaskFile
 from tpsim.study.files.checked import plain
 from tpsim.study.files.run import DEMONSTRATIONS, Run, open_run

@@ -1,6 +1,7 @@
 """What methods retrieve, carried out on simulated arms that are pushed: the loop is closed."""
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path as FilePath
 
 import numpy as np
@@ -16,7 +17,7 @@ from tpsim.section8.measures import Figure
 from tpsim.section8.method import Method, Path
 from tpsim.section8.plan import Cell, Plan
 from tpsim.section8.results import Results
-from tpsim.section8.run import run
+from tpsim.section8.run import drawn, run
 from tpsim.section8.trial import Trial, perform
 from tpsim.tasks.transfer.study import apart
 from tpsim.world.rollout import rollout
@@ -96,19 +97,9 @@ def run_closed_loop(
 @one_thread()
 def perform_on(plan: Plan, methods: Mapping[str, Method], cell: Cell) -> Trial:
     """Teach, learn, retrieve, and carry out: one arm, number of demonstrations and teacher."""
-    name, count, seed = cell
-    arm = ARMS[name]
-    situations = [
-        situation
-        for distance in plan.distances
-        for situation in arm.situations(plan.situations, distance, plan.samples, seed)
-    ]
-    taught = arm.demonstrations(count, plan.samples, seed)
-
-    def measured(path: Path, situation: ArmSituation) -> dict[str, float]:
-        return measure_on(arm, path, situation)
-
-    return perform(methods, taught, situations, measured, tuple(FIGURES))
+    name, *_ = cell
+    measured = partial(measure_on, ARMS[name])
+    return perform(methods, *drawn(ARMS, plan, cell), measured, tuple(FIGURES))
 
 
 def measure_on(arm: Arm, path: Path, situation: ArmSituation) -> dict[str, float]:

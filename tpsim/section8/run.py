@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from tqdm import tqdm
 
@@ -23,14 +24,19 @@ PerformCell = Callable[[Plan, Mapping[str, Method], Cell], Trial]
 @one_thread()
 def perform_cell(plan: Plan, methods: Mapping[str, Method], cell: Cell) -> Trial:
     """Teach, learn and retrieve: one family, number of demonstrations and teacher."""
+    return perform(methods, *drawn(FAMILIES, plan, cell))
+
+
+def drawn(families: Mapping[str, Any], plan: Plan, cell: Cell) -> tuple[list, list]:
+    """Demonstrations of a cell, and its situations at all distances."""
     name, count, seed = cell
-    family = FAMILIES[name]
+    family = families[name]
     situations = [
         situation
         for distance in plan.distances
         for situation in family.situations(plan.situations, distance, plan.samples, seed)
     ]
-    return perform(methods, family.demonstrations(count, plan.samples, seed), situations)
+    return family.demonstrations(count, plan.samples, seed), situations
 
 
 def run(

@@ -23,8 +23,6 @@ from tpsim.world.impedance import Controller, Drive
 from tpsim.world.plant import NOMINAL, Plant
 
 Action = Literal["torque", "impedance"]
-
-ACTIONS = ("torque", "impedance")
 """What an agent may command: joint torques, or the posture to which a spring and a damper pull."""
 
 SLOPE = 10.0

@@ -76,13 +76,10 @@ def comfortable(
 
 def _inner(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
     """Ranges of the joints (n,) without their ends; a turn both ways where there is no limit."""
-    low, high = (np.where(np.isfinite(x), x, s * np.pi) for x, s in _ends(robot))
+    low = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
+    high = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
     margin = MARGIN * (high - low)
     return low + margin, high - margin
-
-
-def _ends(robot: Robot) -> tuple[tuple[np.ndarray, int], tuple[np.ndarray, int]]:
-    return (robot.lower, -1), (robot.upper, 1)
 
 
 def _residual(

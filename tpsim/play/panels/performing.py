@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import viser
 
-from tpsim.play.session import Recorded
+from tpsim.play.recording import Recorded
 
 if TYPE_CHECKING:
     from tpsim.play.page import Page

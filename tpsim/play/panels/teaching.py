@@ -7,7 +7,7 @@ import viser
 
 from tpsim.play.hands import Others
 from tpsim.play.lessons import FEWEST
-from tpsim.play.session import Recorded
+from tpsim.play.recording import Recorded
 from tpsim.plot.style import PALETTE
 
 if TYPE_CHECKING:

@@ -99,7 +99,8 @@ def test_the_energy_of_springs_and_motion_only_falls(planar3_world):
     found = [
         Spring(one, k, one(robot.at_home).value) for one, k in zip(view, (200.0, 8.0), strict=True)
     ]
-    controller = CartesianImpedance(found, robot.home, damping=0.3, posture_stiffness=0.1, every=1)
+    given = {"damping": 0.3, "posture_stiffness": 0.1, "period": 1e-3}
+    controller = CartesianImpedance(found, robot.home, **given)
     trial = rollout(planar3_world, controller, away.q, 1.5)
     energy = []
     for q, dq in zip(trial["q"], trial["dq"], strict=True):

@@ -124,10 +124,19 @@ def test_the_nearest_component_decides(robot, state):
 
 
 def test_an_impedance_lasts_until_it_is_renewed(robot, state):
-    controller = MinimalIntervention([skill(robot)], every=3)
-    commands = [controller.command(state, 0.0) for _ in range(4)]
+    controller = MinimalIntervention([skill(robot)], period=3e-3)
+    commands = [controller.command(state, 1e-3 * k) for k in range(4)]
     assert commands[0] is commands[1] is commands[2]
     assert commands[3] is not commands[0]
+
+
+def test_a_slow_loop_renews_its_impedance_as_often_in_time(robot, state):
+    controller = MinimalIntervention([skill(robot)], period=0.016)
+    commands = [controller.command(state, 0.01 * k) for k in range(5)]
+    assert commands[0] is commands[1] and commands[2] is commands[3]
+    assert commands[1] is not commands[2] and commands[3] is not commands[4]
+    # A clock that starts over is another trial.
+    assert controller.command(state, 0.0) is not commands[4]
 
 
 def test_a_joint_that_no_frame_determines_is_named(robot, state):

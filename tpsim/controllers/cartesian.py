@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import block_diag
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
-from tpsim.border import Count, Positive, border, checked
+from tpsim.border import Positive, border, checked
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.controllers.seeking import PERIOD, Reference, gains, moving, seek
 from tpsim.errors import ArgumentError, SimulationError
@@ -86,8 +86,8 @@ class CartesianImpedance(RenewedImpedance):
         k0 [1/s^2], as acceleration.
     damping : float
         Ratio; 1 is critical.
-    every : int
-        Time steps for which an impedance lasts; the torque follows the state at each of them.
+    period : float
+        Time for which an impedance lasts [s]; the torque follows the state at each of them.
     """
 
     @border
@@ -98,9 +98,9 @@ class CartesianImpedance(RenewedImpedance):
         *,
         posture_stiffness: Positive = 4.0,
         damping: Positive = 1.0,
-        every: Count = PERIOD,
+        period: Positive = PERIOD,
     ):
-        super().__init__(every)
+        super().__init__(period)
         if not springs:
             raise ArgumentError("no spring was given; give at least one")
         self.springs, self.posture = tuple(springs), np.array(posture, float)

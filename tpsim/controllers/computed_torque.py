@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tpsim.border import Count, Positive, border
+from tpsim.border import Positive, border
 from tpsim.controllers.operational_space import Aim, prioritised
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.controllers.seeking import PERIOD, moving
@@ -50,8 +50,8 @@ class ComputedTorque(RenewedImpedance):
         kp [1/s^2]
     damping : float
         Ratio: kd = 2 ratio kp^1/2.
-    every : int
-        Time steps for which a command lasts; the torque follows the state at each of them.
+    period : float
+        Time for which a command lasts [s]; the torque follows every state.
     """
 
     @border
@@ -61,9 +61,9 @@ class ComputedTorque(RenewedImpedance):
         gain: Positive,
         *,
         damping: Positive = 1.0,
-        every: Count = PERIOD,
+        period: Positive = PERIOD,
     ):
-        super().__init__(every)
+        super().__init__(period)
         self.gain, self.damping = gain, damping
         self.trajectory = trajectory if callable(trajectory) else staying(trajectory)
 

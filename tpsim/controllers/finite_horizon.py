@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg.lapack import dposv
 
 from tpsim import rotation
-from tpsim.border import Count, Positive, border
+from tpsim.border import Positive, border
 from tpsim.control.impedance import impedance
 from tpsim.control.poses import SeenMovement, fuse_poses, track_poses
 from tpsim.control.system import integrator
@@ -34,8 +34,8 @@ STRENGTH = 0.3
 SINGULAR = 0.05
 """Mobility [1/kg], [1/(kg m^2)] below which the arm counts as unable to move its hand."""
 
-PERIOD = 8
-"""Time steps for which an impedance lasts by default."""
+PERIOD = 0.008
+"""Time for which an impedance lasts by default [s]."""
 
 POSTURES = 40
 """Number of taught postures in which the cost of torque is computed, at least."""
@@ -74,8 +74,8 @@ class FiniteHorizon(RenewedImpedance):
         Time step of the plan [s]. No gain is faster than it: natural frequencies stay below 1/dt.
     effort : float
         Cost r of torque [1/(Nm)^2], against the log-likelihood of the movement.
-    every : int
-        Time steps for which stiffness, damping and the velocity of the reference last.
+    period : float
+        Time for which stiffness, damping and the velocity of the reference last [s].
     """
 
     @border
@@ -90,9 +90,9 @@ class FiniteHorizon(RenewedImpedance):
         site: str,
         dt: Positive,
         effort: Positive,
-        every: Count = PERIOD,
+        period: Positive = PERIOD,
     ):
-        super().__init__(every)
+        super().__init__(period)
         self.objects, self.movements, self.posture = tuple(objects), tuple(movements), posture
         self.joints, self.site, self.dt, self.effort = tuple(joints), site, dt, effort
         self._robot = robot

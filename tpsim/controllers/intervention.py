@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
-from tpsim.border import Count
+from tpsim.border import Positive
 from tpsim.controllers.product import Information, Product, Skill, posture_skill
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.errors import ArgumentError, SimulationError
@@ -27,12 +27,12 @@ class Intervention(RenewedImpedance):
     skills : sequence of Skill
     prior : Gaussian (n,), optional
         Joint posture [rad] for directions that no frame determines.
-    every : int
-        Control steps for which an impedance lasts.
+    period : float
+        Time for which an impedance lasts [s].
     """
 
-    def __init__(self, skills: Sequence[Skill], prior: Gaussian | None, every: Count):
-        super().__init__(every)
+    def __init__(self, skills: Sequence[Skill], prior: Gaussian | None, period: Positive):
+        super().__init__(period)
         self.skills, self.prior = tuple(skills), prior
         self._product: Product | None = None
 

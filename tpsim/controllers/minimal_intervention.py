@@ -6,7 +6,7 @@ from math import atan, pi, sqrt
 import numpy as np
 from scipy.linalg.lapack import dtrtrs
 
-from tpsim.border import Count, NotNegative, Positive, border
+from tpsim.border import NotNegative, Positive, border
 from tpsim.checks import number
 from tpsim.controllers.friction import damping, felt_mass
 from tpsim.controllers.intervention import NOTHING, Intervention, Modes
@@ -40,10 +40,9 @@ class MinimalIntervention(Intervention):
     prior : Gaussian (n,), optional
         Joint posture [rad] for directions that no frame determines. Like a frame, it counts where
         it is more precise than free movement.
-    every : int
-        Control steps for which stiffness, damping and reference last; the torque follows the
-        state at every step. At 62 Hz the largest errors under a push are those at 125 Hz within
-        0.1 %.
+    period : float
+        Time for which stiffness, damping and reference last [s]; the torque follows every state.
+        At 62 Hz the largest errors under a push are those at 125 Hz within 0.1 %.
     """
 
     @border
@@ -55,9 +54,9 @@ class MinimalIntervention(Intervention):
         friction: NotNegative = 180.0,
         effort: Positive | None = None,
         prior: Gaussian | None = None,
-        every: Count = 16,
+        period: Positive = 0.016,
     ):
-        super().__init__(skills, prior, every)
+        super().__init__(skills, prior, period)
         if bandwidth is not None and effort is not None:
             raise ArgumentError("bandwidth and effort were given; give one of them")
         self.bandwidth = bandwidth_for() if bandwidth is None else bandwidth

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
-from tpsim.border import Count, Positive, border, checked
+from tpsim.border import Positive, border, checked
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.controllers.seeking import PERIOD, Reference, gains, moving, positive, seek
 from tpsim.errors import ArgumentError
@@ -139,8 +139,8 @@ class OperationalSpace(RenewedImpedance):
         [1/s^2]
     damping : float
         Ratio of the posture.
-    every : int
-        Time steps for which an impedance lasts; the torque follows the state at each of them.
+    period : float
+        Time for which an impedance lasts [s]; the torque follows the state at each of them.
     """
 
     @border
@@ -151,9 +151,9 @@ class OperationalSpace(RenewedImpedance):
         *,
         posture_gain: Positive = 4.0,
         damping: Positive = 1.0,
-        every: Count = PERIOD,
+        period: Positive = PERIOD,
     ):
-        super().__init__(every)
+        super().__init__(period)
         if not aims:
             raise ArgumentError("no aim was given; give at least one")
         self.aims, self.posture = tuple(aims), np.array(posture, float)

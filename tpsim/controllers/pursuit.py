@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
-from tpsim.border import Count, Positive, border
+from tpsim.border import Positive, border
 from tpsim.controllers.intervention import Intervention, optimum
 from tpsim.controllers.product import Information, Skill
 from tpsim.robot.state import State
@@ -35,15 +35,15 @@ class Pursuit(Intervention):
     skills : sequence of Skill
     effort : float
         Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement.
-    every : int
-        Control steps for which stiffness, damping and velocity last.
+    period : float
+        Time for which stiffness, damping and velocity last [s].
     """
 
     @border
-    def __init__(self, skills: Sequence[Skill], *, effort: Positive, every: Count = 25):
+    def __init__(self, skills: Sequence[Skill], *, effort: Positive, period: Positive = 0.025):
         # What moves must be led in every direction: here a frame counts as it was learned.
         whole = [Skill(s.views, replace(s.model, relevance=())) for s in skills]
-        super().__init__(whole, None, every)
+        super().__init__(whole, None, period)
         self.effort = effort
         self._was: np.ndarray | None = None
 

@@ -1,28 +1,31 @@
-"""What most controllers share: an impedance that lasts for some steps, and fixed gains."""
+"""What most controllers share: an impedance that lasts for a while, and fixed gains."""
 
 from abc import ABC, abstractmethod
 
 import numpy as np
 
-from tpsim.border import Count, NotNegative, border
+from tpsim.border import NotNegative, Positive, border
 from tpsim.robot.state import State
 from tpsim.world.impedance import Impedance
 
+_ROUNDING = 1e-9
+"""Error [s] of a clock that adds up time steps."""
+
 
 class RenewedImpedance(ABC):
-    """A controller whose impedance lasts for some steps, while the torque follows every state.
+    """A controller whose impedance lasts for a while, while the torque follows every state.
 
     Subclasses compute the impedance in :meth:`renew`.
 
     Parameters
     ----------
-    every : int
-        Time steps for which an impedance lasts.
+    period : float
+        Time for which an impedance lasts [s], to the next state that is sensed.
     """
 
     @border
-    def __init__(self, every: Count):
-        self.every, self._left = every, 0
+    def __init__(self, period: Positive):
+        self.period, self._since = period, np.inf
         self._now: Impedance | None = None
 
     @abstractmethod
@@ -31,9 +34,9 @@ class RenewedImpedance(ABC):
 
     def command(self, state: State, time: float) -> Impedance:
         """Impedance at a state; the same object until it is renewed."""
-        if self._left == 0 or self._now is None:
-            self._left, self._now = self.every, self.renew(state, time)
-        self._left -= 1
+        age = time - self._since
+        if self._now is None or not 0 <= age < self.period - _ROUNDING:
+            self._since, self._now = time, self.renew(state, time)
         return self._now
 
 

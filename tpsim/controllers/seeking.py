@@ -11,8 +11,8 @@ from tpsim.robot.state import State
 from tpsim.robot.views.view import View
 from tpsim.world.impedance import Impedance
 
-PERIOD = 8
-"""Time steps for which a hand-set impedance lasts by default."""
+PERIOD = 0.008
+"""Time for which a hand-set impedance lasts by default [s]."""
 
 Reference = Sequence[float] | np.ndarray | Callable[[float], tuple[np.ndarray, np.ndarray]]
 """Where a view is to be (d,), [m] or [rad]; or ``reference(time) -> (value, velocity)``."""

@@ -37,8 +37,6 @@ class TimedIntervention(RenewedImpedance):
         Joint posture [rad] for directions that no frame determines.
     period : float
         Time [s] between two adaptations.
-    timestep : float
-        Of the control [s].
     order : str
         Of :func:`~tpsim.retrieval.tp_gmr.tp_gmr`. The covariance is stiffness here: moments of a
         mixture would be soft wherever a precise component meets a vague one, so that precisions
@@ -54,13 +52,12 @@ class TimedIntervention(RenewedImpedance):
         until: Positive,
         prior: Gaussian | None = None,
         period: Positive = PERIOD,
-        timestep: Positive = 1e-3,
         order: Order = "pooled",
     ):
-        super().__init__(max(1, round(period / timestep)))
+        super().__init__(period)
         self.skill, self.effort, self.until = skill, effort, until
         self.prior, self.order = prior, order
-        times = np.minimum(np.arange(0.0, until + period, self.every * timestep), until)
+        times = np.minimum(np.arange(0.0, until + period, period), until)
         self._product = TimedProduct(skill, prior, order, times)
 
     def renew(self, state: State, time: float) -> Impedance:

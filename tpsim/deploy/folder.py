@@ -140,7 +140,7 @@ def read(folder: Path, views: Sequence[type[View]] = ()) -> tuple[Content, Robot
 def _check(content: Content, robot: Robot) -> None:
     """Make the controller, and look through every view: sites, joints and sizes must agree."""
     recipe = content.recipe
-    recipe.controller(robot, robot.home, content.period)
+    recipe.controller(robot, robot.home)
     ahead = Pose(np.eye(3), np.array([0.5, 0.1, 0.2]))
     state = robot.at(robot.home, objects=dict.fromkeys(objects_in(recipe), ahead))
     with np.errstate(all="ignore"):

@@ -214,7 +214,7 @@ class Policy:
         if self._now is None or last is None or state.time > last.time:
             if self._controller is None:
                 start = state.q.copy()
-                self._controller = self._content.recipe.controller(self.robot, start, self.period)
+                self._controller = self._content.recipe.controller(self.robot, start)
             now = self._controller.command(state, state.time)
             if now is not self._now:
                 self._since = state.time

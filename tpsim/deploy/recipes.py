@@ -67,8 +67,8 @@ class Recipe(ABC):
             raise ArgumentError(f"lasts is {self.lasts} s; it must be positive")
 
     @abstractmethod
-    def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
-        """A new controller that starts at a posture (n,) [rad] and is called every period [s]."""
+    def controller(self, robot: Robot, start: np.ndarray) -> Controller:
+        """A new controller that starts at a posture (n,) [rad]."""
 
     def free_of(self, start: np.ndarray) -> "Recipe":
         """The same where nothing is written down that is the start posture itself."""
@@ -77,9 +77,6 @@ class Recipe(ABC):
     def seen(self) -> Iterator[tuple[View, int]]:
         """The views that skills observe, with the number of dimensions that models have."""
         yield from ()
-
-    def _every(self, period: float) -> int:
-        return max(1, round(self.lasts / period))
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +127,7 @@ class InterventionRecipe(_Held):
         for skill in self.skills:
             yield from skill.seen()
 
-    def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
+    def controller(self, robot: Robot, start: np.ndarray) -> Controller:
         """A new controller."""
         return MinimalIntervention(
             [written.skill for written in self.skills],
@@ -138,7 +135,7 @@ class InterventionRecipe(_Held):
             effort=self.effort,
             friction=self.friction,
             prior=self._prior(start),
-            every=self._every(period),
+            period=self.lasts,
         )
 
 
@@ -159,10 +156,10 @@ class PursuitRecipe(Recipe):
         for skill in self.skills:
             yield from skill.seen()
 
-    def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
+    def controller(self, robot: Robot, start: np.ndarray) -> Controller:
         """A new controller."""
         skills = [written.skill for written in self.skills]
-        return Pursuit(skills, effort=self.effort, every=self._every(period))
+        return Pursuit(skills, effort=self.effort, period=self.lasts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +176,7 @@ class TimedRecipe(_Held):
         yield from super().seen()
         yield from self.skill.seen(inputs=1)
 
-    def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
+    def controller(self, robot: Robot, start: np.ndarray) -> Controller:
         """A new controller."""
         return TimedIntervention(
             self.skill.skill,
@@ -187,7 +184,6 @@ class TimedRecipe(_Held):
             until=self.until,
             prior=self._prior(start),
             period=self.lasts,
-            timestep=period,
             order=self.order,
         )
 
@@ -210,7 +206,7 @@ class HorizonRecipe(Recipe):
         if not 0 < len(self.objects) == len(self.movements) or len(lengths) > 1:
             raise ArgumentError("objects, movements and posture do not fit each other")
 
-    def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
+    def controller(self, robot: Robot, start: np.ndarray) -> Controller:
         """A new controller."""
         return FiniteHorizon(
             robot,
@@ -221,7 +217,7 @@ class HorizonRecipe(Recipe):
             site=self.site,
             dt=self.dt,
             effort=self.effort,
-            every=self._every(period),
+            period=self.lasts,
         )
 
 
@@ -237,7 +233,7 @@ class FixedRecipe(Recipe):
         if self.posture is not None:
             yield Joints(), self.posture.size
 
-    def controller(self, robot: Robot, start: np.ndarray, period: float) -> Controller:
+    def controller(self, robot: Robot, start: np.ndarray) -> Controller:
         """A new controller."""
         return FixedImpedance(start if self.posture is None else self.posture, self.stiffness)
 
@@ -258,21 +254,21 @@ def recipe_of(controller: object, period: float) -> Recipe:
     kind = type(controller)
     if isinstance(controller, Pursuit) and kind is Pursuit:
         skills = tuple(WrittenSkill.of(skill) for skill in controller.skills)
-        return PursuitRecipe(controller.every * period, skills, controller.effort)
+        return PursuitRecipe(controller.period, skills, controller.effort)
     if isinstance(controller, MinimalIntervention) and kind is MinimalIntervention:
         m = controller
         skills = tuple(WrittenSkill.of(skill) for skill in m.skills)
         rest = skills, m.bandwidth, m.friction, m.effort
-        return InterventionRecipe(m.every * period, m.prior, False, *rest)
+        return InterventionRecipe(m.period, m.prior, False, *rest)
     if isinstance(controller, TimedIntervention) and kind is TimedIntervention:
         timed = controller
         skill = WrittenSkill.of(timed.skill)
-        lasts, until, order = timed.every * period, timed.until, timed.order
+        lasts, until, order = timed.period, timed.until, timed.order
         return TimedRecipe(lasts, timed.prior, False, timed.effort, skill, until, order)
     if isinstance(controller, FiniteHorizon) and kind is FiniteHorizon:
         f = controller
         parts = f.objects, f.movements, f.posture, f.joints, f.site, f.dt, f.effort
-        return HorizonRecipe(f.every * period, *parts)
+        return HorizonRecipe(f.period, *parts)
     if isinstance(controller, FixedImpedance) and kind is FixedImpedance:
         return FixedRecipe(period, controller.posture, controller.stiffness)
     raise ArgumentError(

@@ -33,8 +33,8 @@ SURE = 0.001
 POSTURE = 0.3
 """The same of the joints, where the hand leaves them free [rad]."""
 
-EVERY = 16
-"""Time steps for which an impedance lasts: 62 Hz."""
+PERIOD = 0.016
+"""Time for which an impedance lasts [s]."""
 
 REST = 1.0
 """Time [s] for which an arm holds the end."""
@@ -184,7 +184,7 @@ def follower(arm: Arm, movement: Gaussian, situation: ArmSituation) -> FiniteHor
         site=arm.site,
         dt=float(situation.truth.time[1]),
         effort=arm.effort,
-        every=EVERY,
+        period=PERIOD,
     )
 
 

@@ -473,7 +473,7 @@ def _control(book: Book) -> None:
             lab.MinimalIntervention,
             skills=[SKILL],
             prior=prior,
-            every=16,
+            period=0.016,
             **strength,
         )
     add("lab.Spring", lab.Spring, view=VIEW, stiffness=[300.0, 200.0, 100.0], reference=np.ones(3))
@@ -485,7 +485,7 @@ def _control(book: Book) -> None:
         posture=START,
         posture_stiffness=4.0,
         damping=1.0,
-        every=8,
+        period=0.008,
     )
     add("lab.Aim", lab.Aim, view=VIEW, gain=100.0, reference=np.ones(3), damping=1.0)
     add(
@@ -496,7 +496,7 @@ def _control(book: Book) -> None:
         posture=START,
         posture_gain=4.0,
         damping=1.0,
-        every=8,
+        period=0.008,
     )
     add(
         "lab.ComputedTorque",
@@ -504,7 +504,7 @@ def _control(book: Book) -> None:
         trajectory=START,
         gain=100.0,
         damping=1.0,
-        every=8,
+        period=0.008,
     )
     add(
         "lab.InverseKinematics",
@@ -515,7 +515,7 @@ def _control(book: Book) -> None:
         posture=START,
         posture_gain=4.0,
     )
-    add("lab.Pursuit", lab.Pursuit, skills=[SKILL], effort=0.05, every=25)
+    add("lab.Pursuit", lab.Pursuit, skills=[SKILL], effort=0.05, period=0.025)
     add(
         "lab.TimedIntervention",
         lab.TimedIntervention,
@@ -541,7 +541,7 @@ def _control(book: Book) -> None:
         site="tip",
         dt=0.05,
         effort=0.1,
-        every=8,
+        period=0.008,
     )
     add("lab.Tank", lab.Tank, infinite=True, initial=1.0, capacity=2.0)
     add("lab.Tank.of", lab.Tank.of, robot=ROBOT)

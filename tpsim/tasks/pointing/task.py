@@ -145,7 +145,6 @@ class Pointing(Task):
             effort=self.effort,
             until=self.duration,
             prior=Gaussian(np.array(situation.start), np.diag(deviation**2)),
-            timestep=world.timestep,
             order=self.order,
         )
 

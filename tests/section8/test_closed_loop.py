@@ -49,6 +49,13 @@ def test_movements_are_laid_into_the_arms_world(situation):
             on_the_arm(ARM, bad, situation)
 
 
+@pytest.mark.parametrize("name", ARMS)
+def test_an_arm_is_the_joints_that_move_its_hand(name):
+    arm, robot = ARMS[name], ARMS[name].world.robot
+    columns = zip(robot.joints, robot.at_home.jacobian(arm.site).T, strict=True)
+    assert {joint for joint, column in columns if column.any()} == set(arm.joints)
+
+
 def test_the_arm_starts_where_the_teacher_does(situation):
     hand = ARM.world.robot.at(situation.start).pose(ARM.site).position
     np.testing.assert_allclose(hand, ARM.place.to_common(situation.truth.data[0]), atol=1e-6)

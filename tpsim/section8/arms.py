@@ -183,7 +183,7 @@ class BaxterArm(Arm):
     @property
     def joints(self) -> tuple[str, ...]:
         """The left arm."""
-        return arm(self.world.robot, "left")
+        return arm(self.world.robot, self.site)
 
     @property
     def place(self) -> Frame:

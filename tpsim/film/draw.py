@@ -111,6 +111,8 @@ class Painter:
         assert self._near is not None and self._clip.close is not None
         self._near.update_scene(self._data, _towards(self._clip.close[sample], _NEAR, eye))
         self._near.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
+        # Four fifths of its cost, for shadows that fall outside it.
+        self._near.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False
         small: np.ndarray = self._near.render()
         return small
 

@@ -42,7 +42,8 @@ class MinimalIntervention(Intervention):
         it is more precise than free movement.
     period : float
         Time for which stiffness, damping and reference last [s]; the torque follows every state.
-        At 62 Hz the largest errors under a push are those at 125 Hz within 0.1 %.
+        The default is as often as a camera looks; the largest errors under a push are those of
+        16 ms within 1 %.
     """
 
     @border
@@ -54,7 +55,7 @@ class MinimalIntervention(Intervention):
         friction: NotNegative = 180.0,
         effort: Positive | None = None,
         prior: Gaussian | None = None,
-        period: Positive = 0.016,
+        period: Positive = 0.03,
     ):
         super().__init__(skills, prior, period)
         if bandwidth is not None and effort is not None:

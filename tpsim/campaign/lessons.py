@@ -1,7 +1,6 @@
 """What trials build on: demonstrations and models, in a run folder for each lesson."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 
 from tpsim.campaign.campaign import DEMONSTRATIONS, Campaign
@@ -93,7 +92,7 @@ def study_in(study: Study, own: Lesson, run: Run) -> Study:
     """The study as it is performed after a lesson, in the world of its folder."""
     fields = {name: value for name, value in own.fields.items() if name != DEMONSTRATIONS}
     study = with_fields(study, fields)
-    return replace(study, task=study.task.in_world(run.world))
+    return study.in_world(run.world)
 
 
 def with_fields(study: Study, fields: dict[str, object]) -> Study:

@@ -167,8 +167,7 @@ class Bench:
         study, models, _ = self._lesson_number(found.lesson.number)
         if found.fields:
             world = study.task.stage
-            study = lessons.with_fields(study, dict(found.fields))
-            study = replace(study, task=study.task.in_world(world))
+            study = lessons.with_fields(study, dict(found.fields)).in_world(world)
         return study, models
 
     def _situation(self, found: Asked) -> Situation:

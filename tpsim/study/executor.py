@@ -1,7 +1,6 @@
 """Conditions performed: the one place where a condition becomes a trial, here or in processes."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 
@@ -186,7 +185,7 @@ _Made = tuple[Study, Models, Keep[T], tuple | None]
 def _open(made: _Made[T]) -> "partial[T]":
     study, models, keep, world = made
     if world is not None:
-        study = replace(study, task=study.task.in_world(World(*world)))
+        study = study.in_world(World(*world))
     return partial(_perform_and_keep, study, models, keep)
 
 

@@ -206,6 +206,10 @@ class Study:
         return self.about(replace(self.task, **fields))  # type: ignore[type-var]
 
     @border
+    def in_world(self, world: World) -> "Study":
+        """The same study in a world that was read back or handed over."""
+        return replace(self, task=self.task.in_world(world))
+
     def about(self, task: Task) -> "Study":
         """The same study of another task of its kind."""
         if self.of is None:

@@ -4,6 +4,7 @@ import resource
 import shutil
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pyarrow.dataset
@@ -14,6 +15,7 @@ from tpsim.campaign.campaign import Sweep
 from tpsim.campaign.design import blocks
 from tpsim.campaign.folder import load_folder
 from tpsim.campaign.people import Leads, Pushes
+from tpsim.campaign.progress import ProgressPage
 from tpsim.campaign.replay import replay
 from tpsim.campaign.run import campaign
 from tpsim.errors import ArgumentError, RecordingError
@@ -81,6 +83,18 @@ def test_the_table_is_read_while_it_runs(undisturbed, described, begun):
     campaign(described, begun, shard=(1, 2))
     there = pyarrow.dataset.dataset(begun / "table").to_table()
     assert there.num_rows == 2
+
+
+def test_a_page_tells_how_far_it_is_and_leads_to_the_report(described, begun):
+    half = campaign(described, begun, shard=(1, 2))
+    page = Path(half["paths"]["progress"]).read_text()
+    assert 'http-equiv="refresh" content="5"' in page and "0 of 26 trials" in page
+    ProgressPage(load_folder(begun), load_study(described.study))
+    page = (begun / "progress.html").read_text()
+    assert "2 of 26 trials" in page and "<td>nominal</td>" in page
+    whole = campaign(described, begun)
+    assert "progress" not in whole["paths"]
+    assert "url=report.html" in (begun / "progress.html").read_text()
 
 
 def test_another_campaign_is_refused_and_nothing_touched(described, undisturbed, begun):

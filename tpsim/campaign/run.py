@@ -17,6 +17,7 @@ from tpsim.campaign.design import asked, blocks, lessons_of, trials_of
 from tpsim.campaign.figures import asked_row, failed_row
 from tpsim.campaign.folder import Folder, check_versions, open_folder
 from tpsim.campaign.performing import Bench, Done, Job, bench
+from tpsim.campaign.progress import NAME, ProgressPage, arrive
 from tpsim.campaign.table import FAILED, Row, write_table
 from tpsim.errors import ArgumentError
 from tpsim.extras import extra
@@ -126,14 +127,17 @@ def finished(folder: Folder, study: Study) -> Answer:
     """Write one table of all rows and the report, where all blocks are done; say where they are."""
     paths = {"campaign": str(folder.path)}
     if not folder.complete:
-        return {"table": str(folder.path / "table"), "paths": paths}
+        page = {"progress": str(folder.path / NAME)}
+        return {"table": str(folder.path / "table"), "paths": paths | page}
     import pyarrow
 
     whole = pyarrow.concat_tables(folder.tables(), promote_options="default")
     table = folder.path / "table.parquet"
     write_table(table, whole.replace_schema_metadata(folder.about), replace=True)
     say("reporting")
-    return {"table": str(table), "paths": paths | report.write(folder, study, whole)}
+    written = report.write(folder, study, whole)
+    arrive(folder)
+    return {"table": str(table), "paths": paths | written}
 
 
 def _missing(folder: Folder, retry: bool) -> list[int]:
@@ -161,7 +165,7 @@ def _performed(
         return []
     say(f"{trials} trials in {len(todo)} blocks, {workers} workers: {folder.path}")
     bar = tqdm(total=trials, file=sys.stderr, unit=" trials") if progress else None
-    found, deadly = [], []
+    found, deadly, page = [], [], ProgressPage(folder, study)
     with bar or nullcontext(), Workers(workers, bench, (folder, study), executor) as pool:
         jobs = [Job(block) for block in todo]
         for job, done in zip(jobs, pool.map(jobs), strict=True):
@@ -169,6 +173,7 @@ def _performed(
                 deadly.append(job.block)
                 continue
             found.append(done)
+            page.update()
             if bar is not None:
                 bar.update(done.trials)
         for block in deadly:

@@ -53,6 +53,7 @@ def write_report(
     lead: str = "",
     notes: Sequence[str] = (),
     about: Mapping[str, object] | None = None,
+    refresh: str = "",
 ) -> Path:
     """Write a report as one HTML file without anything outside it, in place of an earlier one.
 
@@ -78,6 +79,8 @@ def write_report(
         Remarks for the end.
     about : mapping, optional
         Facts for the line under the title: seed, trials, date.
+    refresh : str
+        Seconds after which a browser loads the page again; never by default.
 
     Returns
     -------
@@ -95,10 +98,11 @@ def write_report(
         )
     )
     style = resources.files("tpsim.study").joinpath("report.css").read_text(encoding="utf-8")
+    again = f'<meta http-equiv="refresh" content="{_safe(refresh)}">\n' if refresh else ""
     page = (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{_safe(title)}</title>\n<style>\n{style}</style>\n</head>\n"
+        f"{again}<title>{_safe(title)}</title>\n<style>\n{style}</style>\n</head>\n"
         f"<body>\n<main>\n{body}\n</main>\n</body>\n</html>\n"
     )
     return write_text(Path(path), page, replace=True)
@@ -119,7 +123,7 @@ def _header(title: str, lead: str, about: Mapping[str, object], figures: Sequenc
 
 def _film(film: Path | None, hint: str) -> str:
     if film is None:
-        return f'<p class="hint">{_safe(hint)}</p>'
+        return f'<p class="hint">{_safe(hint)}</p>' if hint else ""
     source = _data_uri(Path(film).read_bytes(), "video/mp4")
     return (
         '<figure class="film"><video controls muted loop playsinline preload="auto" '

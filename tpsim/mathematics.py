@@ -92,6 +92,10 @@ from tpsim.retrieval.gp_gmm import fit_gp_gmm as fit_gp_gmm
 from tpsim.retrieval.gp_kernel import SquaredExponential as SquaredExponential
 from tpsim.retrieval.kmp import KMP as KMP
 from tpsim.retrieval.lwr import lwr as lwr
+from tpsim.retrieval.passage import Passage as Passage
+from tpsim.retrieval.progress import Belief as Belief
+from tpsim.retrieval.progress import Pace as Pace
+from tpsim.retrieval.progress import ProgressFilter as ProgressFilter
 from tpsim.retrieval.promp import ProMP as ProMP
 from tpsim.retrieval.promp import TPProMP as TPProMP
 from tpsim.retrieval.promp import fit_promp as fit_promp

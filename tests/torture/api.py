@@ -84,6 +84,10 @@ INSIDE = {
            "moved", "pushed_in", "standing"))],
         "the run calls it, with records and situations of its own",
     ),
+    **dict.fromkeys(
+        ["Belief", "Belief.expected", "Passage.log_densities", "Passage.place"],
+        "made or called at every time step, unchecked",
+    ),
     "lab.pareto": "takes NaN and infinity for what could not be measured",
     "lab.tune": "takes minutes; its arguments pass the border",
     **dict.fromkeys(

@@ -22,6 +22,7 @@ from tpsim.learning.markov import (
     padded,
     successors,
     updated,
+    visited,
 )
 from tpsim.learning.segments import (
     backward_segments,
@@ -94,6 +95,25 @@ class SemiMarkovChain(Part):
             least,
         )
 
+    @classmethod
+    @border
+    def along(cls, states: object, spread: NotNegative = 0.1) -> "SemiMarkovChain":
+        """Chain of the stays of one sequence of states (T,), one after the other.
+
+        Its states are the runs of equal numbers, in their order; a duration deviates by ``spread``
+        times the mean stay, or one step.
+
+        Raises
+        ------
+        ArgumentError
+            If the sequence visits no state.
+        """
+        states = visited("states", states)
+        stays = np.diff(np.flatnonzero(np.diff(states, prepend=-1, append=-1))).astype(float)
+        variance = max(1.0, (spread * stays.mean()) ** 2)
+        durations = Gaussian(stays[:, None], np.full((len(stays), 1, 1), variance))
+        return cls(np.eye(len(stays))[0], np.eye(len(stays), k=1), durations, variance)
+
     def expectation(self, sequences: Sequence[np.ndarray]) -> Expectation:
         """E-step for sequences of log densities (T_m, K), whose last stays are complete."""
         densities, lengths = padded(sequences)
@@ -164,11 +184,16 @@ class SemiMarkovChain(Part):
             state = draw(self.transitions[state], rng)
         return np.array(states[:steps])
 
+    @property
+    def longest(self) -> int:
+        """Steps after which a stay is over for certain, where something follows the state."""
+        return _longest(self.durations.mean[:, 0], self.durations.covariance[:, 0, 0])
+
     @border
     def log_durations(self, longest: Steps) -> tuple[np.ndarray, np.ndarray]:
         """Log probabilities that a stay lasts 1 ... L steps, and at least as many, (L, K)."""
         mean, variance = self.durations.mean[:, 0], self.durations.covariance[:, 0, 0]
-        durations = _log_stays(mean, variance, longest)
+        durations = _log_stays(mean, variance, max(longest, self.longest))
         survival = np.logaddexp.accumulate(durations[::-1])[::-1]
         survival = np.where(self.transitions.any(1), survival, 0.0)
         return durations[:longest], survival[:longest]
@@ -180,15 +205,19 @@ class SemiMarkovChain(Part):
         return occupancy(segments, survival)[:, 0]
 
 
+def _longest(mean: np.ndarray, variance: np.ndarray) -> int:
+    return int(np.ceil((mean + 8 * np.sqrt(variance)).max()))
+
+
 def _log_stays(mean: np.ndarray, variance: np.ndarray, longest: int) -> np.ndarray:
-    """Log probability of 1 ... L steps, (L, K), L being ``longest`` or what the Gaussians reach."""
-    limit = max(longest, int(np.ceil((mean + 8 * np.sqrt(variance)).max())))
-    durations = -0.5 * (np.arange(1, limit + 1)[:, None] - mean) ** 2 / variance
+    """Log probability of 1 ... L steps, (L, K)."""
+    durations = -0.5 * (np.arange(1, longest + 1)[:, None] - mean) ** 2 / variance
     return durations - log_sum(durations)
 
 
 def _expected_log(stays: np.ndarray, mean: np.ndarray, variance: np.ndarray) -> np.ndarray:
     """Expected log probability (K,) of stays with the given moments (3, K)."""
     count, total, squared = stays
-    normaliser = -0.5 * (1 - mean) ** 2 / variance - _log_stays(mean, variance, 1)[0]
+    longest = _longest(mean, variance)
+    normaliser = -0.5 * (1 - mean) ** 2 / variance - _log_stays(mean, variance, longest)[0]
     return -0.5 * (squared - 2 * mean * total + mean**2 * count) / variance - count * normaliser

@@ -474,6 +474,18 @@ def _hidden(book: Book) -> None:
         add("HiddenStates.state_sequence", model.state_sequence, steps=5)
         add(f"{owner}.probabilities", chain.probabilities, steps=5)
         add(f"{owner}.sample", chain.sample, steps=5, rng=0)
+    add("SemiMarkovChain.along", tp.SemiMarkovChain.along, states=np.array([0, 0, 1]), spread=0.1)
+    add("Pace", tp.Pace, words=("pace",), likely=np.array([0.1, 0.8, 0.1]), lasting=0.5)
+    add("ProgressFilter", tp.ProgressFilter, chain=SEMI, pace=tp.Pace())
+    progress = tp.ProgressFilter(SEMI)
+    belief = progress.start(np.zeros(2))
+    add("ProgressFilter.start", progress.start, log_densities=np.zeros(2))
+    add("ProgressFilter.update", progress.update, belief=belief, log_densities=np.zeros(2))
+    add("ProgressFilter.foreseen", progress.foreseen, belief=belief)
+    add("ProgressFilter.states_ahead", progress.states_ahead, belief=belief, steps=5, rng=0)
+    stays = tp.SemiMarkovChain.along(np.repeat([0, 1], 3))
+    places = tp.Gaussian(np.zeros((6, 2)), np.tile(np.eye(2), (6, 1, 1)))
+    add("Passage", tp.Passage, chain=stays, places=places, dt=0.1, speed_deviation=0.2)
     add(
         "MarkovChain",
         tp.MarkovChain,

@@ -20,6 +20,7 @@ from tpsim.checks import (
     several,
     shown,
     stamps,
+    whole,
 )
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame, as_before
@@ -179,6 +180,29 @@ class Demonstration(Stored):
         frames = [_resampled(frame, at) for frame in self.frames]
         return Demonstration(
             times, at(self.data), frames, [at(view) for view in self.observations], self.name
+        )
+
+    def seen_from(self, frames: Sequence[int]) -> "Demonstration":
+        """The same movement, seen from some of its frames only, in this order.
+
+        Parameters
+        ----------
+        frames : sequence of int
+            Such as those that :func:`tpsim.redundant_frames` keeps.
+        """
+        P = len(self.observations)
+        kept = [whole("frame", j) for j in entries("frames", frames)]
+        if not kept or max(kept) >= P:
+            raise ArgumentError(
+                f"there is no frame {max(kept, default='given')}; the demonstration has frames 0 "
+                f"to {P - 1}: give one of them, or more"
+            )
+        return Demonstration(
+            self.time,
+            self.data,
+            [self.frames[j] for j in kept] if self.frames else (),
+            [self.observations[j] for j in kept],
+            self.name,
         )
 
     def with_time(self, input: ArrayLike | None = None) -> "Demonstration":

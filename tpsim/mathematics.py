@@ -38,6 +38,8 @@ from tpsim.learning.dtw import dtw as dtw
 from tpsim.learning.effective import demonstrations_wanted as demonstrations_wanted
 from tpsim.learning.effective import deviation_interval as deviation_interval
 from tpsim.learning.effective import effective_samples as effective_samples
+from tpsim.learning.eigenframes import demonstration_tensor as demonstration_tensor
+from tpsim.learning.eigenframes import eigenframes as eigenframes
 from tpsim.learning.gmm import GMM as GMM
 from tpsim.learning.gmm import fit_gmm as fit_gmm
 from tpsim.learning.hmm import HMM as HMM
@@ -47,9 +49,12 @@ from tpsim.learning.hsmm import fit_hsmm as fit_hsmm
 from tpsim.learning.incremental import update_tp_gmm as update_tp_gmm
 from tpsim.learning.low_pass import low_pass as low_pass
 from tpsim.learning.markov import MarkovChain as MarkovChain
+from tpsim.learning.multilinear import cp as cp
+from tpsim.learning.multilinear import tucker as tucker
 from tpsim.learning.pgmm import PGMM as PGMM
 from tpsim.learning.pgmm import fit_pgmm as fit_pgmm
 from tpsim.learning.pgmm import task_vector as task_vector
+from tpsim.learning.redundancy import redundant_frames as redundant_frames
 from tpsim.learning.relevance import frame_relevance as frame_relevance
 from tpsim.learning.relevance import frame_report as frame_report
 from tpsim.learning.relevance import frame_shares as frame_shares

@@ -50,6 +50,7 @@ SECTIONS = {
          "benchmark_DS_TP_LWR01", "benchmark_DS_GP_raw01", "benchmark_DS_GP_GMM01",
          "benchmark_DS_PGMM01"],
     ),
+    "further": ("Multilinear analysis (Section 9)", ["demo_eigenframes01"]),
 }  # fmt: skip
 """Where every demo stands in the gallery: folder, title, demos in the order in which to read."""
 

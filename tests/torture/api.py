@@ -15,6 +15,10 @@ ROOMS = {
 
 FURTHER = {
     "": [
+        "tpsim.learning.eigenframes:Eigenframes",
+        "tpsim.learning.multilinear:CP",
+        "tpsim.learning.multilinear:Tucker",
+        "tpsim.learning.redundancy:Redundancy",
         "tpsim.learning.relevance:FrameReport",
         "tpsim.learning.selection:Selection",
         "tpsim.retrieval.gp_gmm:MixtureProcess",

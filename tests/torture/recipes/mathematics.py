@@ -8,6 +8,9 @@ from recipe import Book
 
 import tpsim as tp
 from tpsim import projection, rotation
+from tpsim.learning.eigenframes import Eigenframes
+from tpsim.learning.multilinear import CP, Tucker
+from tpsim.learning.redundancy import Redundancy
 from tpsim.learning.relevance import FrameReport
 from tpsim.learning.selection import Selection
 from tpsim.retrieval.gp_gmm import MixtureProcess
@@ -373,6 +376,7 @@ def _learning(book: Book) -> None:
         draws=20,
         rng=0,
     )
+    _multilinear(book)
     add("frame_shares", tp.frame_shares, model=PLACES, frames=FRAMES, dims=[0])
     for structure in (tp.HDDC, tp.MFA, tp.MPPCA):
         add(structure.__name__, structure, dimension=1)
@@ -393,6 +397,38 @@ def _learning(book: Book) -> None:
         Selection,
         **_fields(Selection, tp.select_model(PATHS[0], [1, 2], fit=tp.fit_gmm)),
     )
+
+
+def _multilinear(book: Book) -> None:
+    add = book.add
+    add("Demonstration.seen_from", DEMONSTRATIONS[0].seen_from, frames=[1, 0])
+    add("demonstration_tensor", tp.demonstration_tensor, demonstrations=DEMONSTRATIONS, samples=5)
+    add(
+        "eigenframes",
+        tp.eigenframes,
+        demonstrations=DEMONSTRATIONS,
+        ranks=(2, 2, 2, 2),
+        samples=6,
+        share=0.9,
+    )
+    add(
+        "redundant_frames",
+        tp.redundant_frames,
+        demonstrations=DEMONSTRATIONS,
+        samples=6,
+        tolerance=0.1,
+    )
+    tensor = RNG.normal(size=(3, 2, 4))
+    limits = {"tolerance": 1e-6, "max_iterations": 5}
+    add("tucker", tp.tucker, tensor=tensor, ranks=[2, 2, 3], share=0.9, **limits)
+    add("cp", tp.cp, tensor=tensor, rank=2, rng=0, **limits)
+    for kind, found in (
+        (Tucker, tp.tucker(tensor, [2, 2, 3])),
+        (CP, tp.cp(tensor, 2, max_iterations=5)),
+        (Eigenframes, tp.eigenframes(DEMONSTRATIONS, samples=6)),
+        (Redundancy, tp.redundant_frames(DEMONSTRATIONS, samples=6)),
+    ):
+        add(kind.__name__, kind, **_fields(kind, found))
 
 
 STEPS = PLACES.adapt([tp.Frame(np.tile(np.eye(2), (3, 1, 1)), np.zeros(2)), FRAMES[1]])

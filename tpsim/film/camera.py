@@ -1,13 +1,25 @@
 """Where a film is seen from, and light for scenes that have none."""
 
 from copy import copy
+from typing import TYPE_CHECKING
 
 import mujoco
+import numpy as np
 
 from tpsim.world.world import World
 
+if TYPE_CHECKING:
+    import viser
+
 HERO = "hero"
 """Camera that films take where they are not told another."""
+
+
+ROOM = 1.25
+"""Distance of a browser's camera, over that of films: panels cover a part of the page."""
+
+SHOWN = 2
+"""Group of geoms that are looked at, at most; those that collide are in others."""
 
 
 def cameras(model: mujoco.MjModel) -> list[str]:
@@ -43,3 +55,24 @@ def lit(world: World) -> mujoco.MjModel:
             height=1536,
         )
     return spec.compile()
+
+
+def look(camera: "viser.InitialCameraConfig", world: World) -> None:
+    """Look at the robot in a browser: from where films are seen, or from before its hands."""
+    model = world.model
+    data = mujoco.MjData(model)
+    data.qpos[[model.joint(name).qposadr[0] for name in world.description.joints]] = (
+        world.robot.home
+    )
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_camlight(model, data)
+    middle = np.mean([data.site(site).xpos for site in world.robot.hands.values()], axis=0)
+    if HERO in cameras(model):
+        place = data.camera(HERO).xpos
+        # From the same side, but with the hands in the middle and some room around them.
+        camera.position, camera.look_at = middle + ROOM * (place - middle), middle
+        camera.fov = np.radians(model.camera(HERO).fovy[0])
+        return
+    size = max(float(np.linalg.norm(middle - data.xpos[1])), 0.3)
+    camera.look_at = middle
+    camera.position = middle + size * np.array([2.2, 1.4, 1.1])

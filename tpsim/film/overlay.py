@@ -45,13 +45,18 @@ def trace(scene: mujoco.MjvScene, path: np.ndarray, colour: int) -> None:
 
 def ellipsoid(scene: mujoco.MjvScene, centre: np.ndarray, stiffness: np.ndarray) -> None:
     """Draw a stiffness (3, 3) N/m; a semi-axis is proportional to the root of its eigenvalue."""
-    values, axes = np.linalg.eigh((stiffness + stiffness.T) / 2)
-    axes[:, 0] *= np.sign(np.linalg.det(axes))
-    size = np.clip(_AXIS * np.sqrt(np.maximum(values, 0) / 500), _SMALLEST, _LARGEST)
+    axes, size = stiffness_axes(stiffness)
     geom = _new(scene, mujoco.mjtGeom.mjGEOM_ELLIPSOID, _ELLIPSOID)
     geom.size[:] = size
     geom.pos[:] = centre
     geom.mat[:] = axes
+
+
+def stiffness_axes(stiffness: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Axes (3, 3) in the columns and semi-axes (3,) [m] of the ellipsoid of a stiffness (3, 3)."""
+    values, axes = np.linalg.eigh((stiffness + stiffness.T) / 2)
+    axes[:, 0] *= np.sign(np.linalg.det(axes))
+    return axes, np.clip(_AXIS * np.sqrt(np.maximum(values, 0) / 500), _SMALLEST, _LARGEST)
 
 
 def _new(scene: mujoco.MjvScene, kind: mujoco.mjtGeom, rgba: tuple[float, ...]) -> mujoco.MjvGeom:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tpsim.play.ellipsoids import Ellipsoid
+from tpsim.film.marks import Ellipsoid
 from tpsim.pose import Pose
 from tpsim.robot.state import State
 from tpsim.robot.views.sites import Site, SiteView

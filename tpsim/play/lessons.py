@@ -9,6 +9,7 @@ import numpy as np
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.play.recording import Recorded
+from tpsim.play.seen import Seen, look
 from tpsim.study.study import Study
 from tpsim.study.workers import Death, Workers
 from tpsim.task.acceptance import refusal
@@ -36,11 +37,14 @@ class Learned:
         Demonstrations of each behaviour.
     by_hand : tuple of str
         Behaviours of which they were shown here.
+    seen : mapping of str to sequence of Demonstration
+        What every frame saw of them.
     """
 
     models: Models
     counts: Mapping[str, int]
     by_hand: tuple[str, ...]
+    seen: Seen
 
     @property
     def log_likelihood(self) -> dict[str, float]:
@@ -71,7 +75,9 @@ class Lessons:
     def __init__(self, study: Study, given: Taught | None = None, *, apart: bool = False):
         world = study.task.stage
         self._world = World(world.xml, world.description, dict(world.assets))
-        self._workers: Workers[Work, Models] = Workers(1, _learner, self._world, apart=apart)
+        self._workers: Workers[Work, tuple[Models, Seen]] = Workers(
+            1, _learner, self._world, apart=apart
+        )
         self._workers.__enter__()
         self._given: Taught = given or {}
         self.shown: dict[str, list[Recorded]] = {name: [] for name in study.task.behaviours()}
@@ -141,31 +147,54 @@ class Lessons:
                     f"'{name}' was shown {len(trials)} times; show it {FEWEST} times at least: "
                     "what differs between them is what does not matter"
                 )
-        (models,) = self._workers.map([(task, taught, without or {})])
-        if isinstance(models, Death):
-            raise SimulationError(f"nothing was learned: {models}")
+        models, seen = self._done(Work(task, taught, without or {}))
         return Learned(
             models,
             {name: len(trials) for name, trials in taught.items()},
             tuple(name for name, shown in self.shown.items() if shown),
+            seen,
         )
 
+    def look(self, task: Task) -> Seen:
+        """What every frame saw of what was shown here."""
+        shown = {name: [each.trial for each in found] for name, found in self.shown.items()}
+        return self._done(Work(task, {name: t for name, t in shown.items() if t}))[1]
 
-Work = tuple[Task, Taught, Mapping[str, Sequence[str]]]
-"""Task, demonstrations, and frames that shall not matter."""
+    def _done(self, work: "Work") -> tuple[Models, Seen]:
+        (done,) = self._workers.map([work])
+        if isinstance(done, Death):
+            raise SimulationError(f"nothing was learned: {done}")
+        return done
 
 
-def _learner(world: World) -> Callable[[Work], Models]:
+@dataclass(frozen=True)
+class Work:
+    """Demonstrations to look at, and to learn from.
+
+    Parameters
+    ----------
+    task : Task
+    taught : mapping of str to sequence of Trial
+    without : mapping of str to sequence of str, optional
+        Frames that shall not matter; None to look only.
+    """
+
+    task: Task
+    taught: Taught
+    without: Mapping[str, Sequence[str]] | None = None
+
+
+def _learner(world: World) -> Callable[[Work], tuple[Models, Seen]]:
     return partial(_learn, world)
 
 
-def _learn(world: World, work: Work) -> Models:
-    task, taught, without = work
-    task = task.in_world(world)
-    models = learn(task, taught)
-    for name, frames in without.items():
-        models[name] = _without(models[name], list(task.behaviours()[name].views), frames)
-    return models
+def _learn(world: World, work: Work) -> tuple[Models, Seen]:
+    task, models = work.task.in_world(world), {}
+    if work.without is not None:
+        models = learn(task, work.taught)
+        for name, frames in work.without.items():
+            models[name] = _without(models[name], list(task.behaviours()[name].views), frames)
+    return models, look(task, work.taught)
 
 
 def _without(model: TPGMM, views: list[str], frames: Sequence[str]) -> TPGMM:

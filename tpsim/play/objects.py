@@ -82,6 +82,11 @@ class LedObjects:
         """Let go; of no use to who holds nothing."""
         self._taken.pop(who, None)
 
+    @property
+    def takers(self) -> set[Hashable]:
+        """Those who hold an object now."""
+        return set(self._taken)
+
     def want(self, name: str, position: np.ndarray, quaternion: Quaternion | None = None) -> None:
         """Lead an object to a pose; it keeps how it is turned by default."""
         if name not in self._led:

@@ -134,9 +134,10 @@ class Page:
     def _gone(self, client: viser.ClientHandle) -> None:
         """A browser that is gone holds nothing."""
         with self.session.lock:
-            for who in self.session.pulls:
+            for who in {*self.session.pulls, *self.session.led.takers}:
                 if isinstance(who, tuple) and who[1] == client.client_id:
                     self.session.let_go(who)
+        self._teaching.gone(client.client_id)
 
     def _paint(self) -> None:
         due, said = time.monotonic(), ""

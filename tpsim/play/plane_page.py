@@ -6,9 +6,9 @@ import time
 import numpy as np
 import viser
 
+from tpsim.film.marks import Ellipsoid, Ellipsoids
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
-from tpsim.play.ellipsoids import Ellipsoid, Ellipsoids
 from tpsim.play.plane import OFFERED, Plane, tube
 from tpsim.plot.style import PALETTE
 from tpsim.section8.method import Path

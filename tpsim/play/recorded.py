@@ -44,7 +44,7 @@ class Scrubbed:
         pulls = []
         for person in trial.channels.people:
             point, wrench = trial[f"{person}_point"][sample], trial[f"{person}_wrench"][sample]
-            pulls.append((point, wrench[:3], point))
+            pulls.append((point, wrench[:3]))
         stiffness = [
             (trial[f"{hand}_position"][sample], trial[f"{hand}_stiffness"][sample])
             for hand in trial.channels.hands

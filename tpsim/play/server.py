@@ -1,7 +1,6 @@
 """The web server of the playground: one port, to this machine alone or with a token to others."""
 
 import contextlib
-import io
 import secrets
 import socket
 import sys
@@ -12,7 +11,9 @@ from typing import TYPE_CHECKING
 from unittest import mock
 from urllib.parse import parse_qs, urlsplit
 
-from tpsim.errors import ArgumentError, SimulationError
+from tpsim.errors import ArgumentError
+from tpsim.extras import extra
+from tpsim.film.offline import quiet_server
 
 if TYPE_CHECKING:
     import viser
@@ -60,20 +61,14 @@ def open_server(address: Address, label: str) -> "viser.ViserServer":
     ------
     ArgumentError
         If the port is in use or the host is none of this machine.
-    SimulationError
+    RecordingError
         If viser is not installed.
     """
-    try:
-        import rich
-        import viser
-    except ImportError:
-        raise SimulationError(
-            "the playground needs viser and mjviser: pip install 'tpsim[play]'"
-        ) from None
+    with extra("the pages of the playground", "play"):
+        import mjviser  # noqa: F401
     _check_free(address)
-    rich.get_console().quiet = True
-    with _guarded(address), contextlib.redirect_stdout(io.StringIO()):
-        server = viser.ViserServer(address.host, address.port, label, verbose=False)
+    with _guarded(address):
+        server = quiet_server(address.host, address.port, label)
     if address.port not in (0, server.get_port()):
         server.stop()
         raise _in_use(address)

@@ -19,7 +19,7 @@ from tpsim.play.objects import LedObjects
 from tpsim.play.recording import Recorded
 from tpsim.study.condition import Condition
 from tpsim.study.study import Study
-from tpsim.task.task import Models, Situation, Task, draw_situation
+from tpsim.task.task import Models, Task, draw_situation
 from tpsim.world.impedance import Controller
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.drag import Quaternion
@@ -81,7 +81,7 @@ class Session:
         self.others: Others = "held"
         self.controller = "learned" if models is not None else HOLD
         self.compared = ""
-        self.situation = self._draw()
+        self.situation = draw_situation(self.task, self.seed, self.index)
         self.recorded: Recorded | None = None
         self.ended: Recorded | None = None
         self.armed, self._behaviour = False, ""
@@ -153,7 +153,7 @@ class Session:
     def next_situation(self, step: int = 1) -> None:
         """Go to another situation that was never taught."""
         self.index = max(0, self.index + step)
-        self.situation = self._draw()
+        self.situation = draw_situation(self.task, self.seed, self.index)
         self.reset()
 
     def compare(self, controller: str) -> None:
@@ -231,6 +231,8 @@ class Session:
             return
         if self.armed and not self.recording:
             self._begin_teaching(recorded=True)
+        if any(pull.drag.body == name for other, pull in self.pulls.items() if other != who):
+            self.message = f"Two people pull '{name}' now: their forces add."
         leads = self.mode == "teach"
         self.hands.grab(who, name, where, leads=leads, others=self.others, turned=turned)
         if self.beside is not None:
@@ -253,9 +255,6 @@ class Session:
         return self.hands.pulling
 
     # Inside
-
-    def _draw(self) -> Situation:
-        return draw_situation(self.task, self.seed, self.index)
 
     def _known(self, controller: str) -> str:
         if controller not in self.controllers:

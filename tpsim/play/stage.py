@@ -11,28 +11,13 @@ from mjviser import ViserMujocoScene
 from mjviser.conversions import merge_geoms
 
 from tpsim import rotation
-from tpsim.film.camera import HERO, cameras
-from tpsim.play.ellipsoids import Ellipsoid, Ellipsoids
+from tpsim.film.camera import SHOWN, look
+from tpsim.film.marks import BLUE, Ellipsoid, Ellipsoids, Forces
 from tpsim.play.session import Session
 from tpsim.world.impedance import Impedance, hand_stiffness
 from tpsim.world.world import World
 
-ORANGE, BLUE, GHOST = (242, 128, 20), (41, 133, 184), (90, 110, 200)
-
-PER_NEWTON = 0.006
-"""Length [m] of an arrow for one newton."""
-
-LEAST_FORCE = 0.2
-"""Force [N] that is shown, at least."""
-
-AXIS, OF = 0.09, 500.0
-"""A semi-axis of AXIS m is OF N/m; axes grow with the root."""
-
-ROOM = 1.25
-"""Distance of the camera, over that of films: panels cover a part of the page."""
-
-SHOWN = 2
-"""Group of geoms that are looked at; those that collide are in others."""
+GHOST = (90, 110, 200)
 
 Grabbed = Callable[[int, int, str, np.ndarray, np.ndarray], None]
 """Told client, body, phase of the drag, point that was taken (3,), and where it is wanted (3,)."""
@@ -45,7 +30,7 @@ class Picture:
     xpos: np.ndarray
     xmat: np.ndarray
     mocap: tuple[np.ndarray, np.ndarray]
-    pulls: list[tuple[np.ndarray, np.ndarray, np.ndarray]]
+    pulls: list[tuple[np.ndarray, np.ndarray]]
     beside: tuple[np.ndarray, np.ndarray] | None
     stiffness: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
 
@@ -57,7 +42,7 @@ class Picture:
         pulls = []
         for pull in session.pulls.values():
             drag = pull.drag
-            pulls.append((drag.point.copy(), drag.wrench[:3].copy(), drag.target.copy()))
+            pulls.append((drag.point.copy(), drag.wrench[:3].copy()))
         beside = None
         if session.beside is not None:
             other = session.beside.episode.simulation.data
@@ -93,10 +78,10 @@ class Stage:
         self._scene._sync_visibilities()
         server.scene.configure_environment_map(environment_intensity=0.35)
         server.scene.world_axes.visible = False
-        frame(server, world)
+        look(server.initial_camera, world)
         for group in self._scene._mesh_groups:
             self._listen(group.handle, group.body_ids, grabbed)
-        self._arrows = _Arrows(server)
+        self._forces = Forces(server)
         self._ellipsoids = Ellipsoids(server, "/over/stiffness", BLUE, 0.35)
         self._ghost: _Ghost | None = None
 
@@ -116,56 +101,13 @@ class Stage:
         data.mocap_pos[:], data.mocap_quat[:] = picture.mocap
         with self._server.atomic():
             self._scene.update_from_mjdata(data)
-            self._arrows.draw(picture.pulls)
+            self._forces.draw(picture.pulls)
             if stiffness:
-                self._ellipsoids.draw([self._axes(*each) for each in picture.stiffness])
+                self._ellipsoids.draw([Ellipsoid.of_stiffness(*each) for each in picture.stiffness])
             if picture.beside is not None and self._ghost is None:
                 self._ghost = _Ghost(self._server, self._model)
             if self._ghost is not None:
                 self._ghost.draw(picture.beside)
-
-    @staticmethod
-    def _axes(centre: np.ndarray, K: np.ndarray) -> Ellipsoid:
-        values, axes = np.linalg.eigh((K + K.T) / 2)
-        size = np.clip(AXIS * np.sqrt(np.maximum(values, 0) / OF), 0.004, 0.16)
-        return Ellipsoid(centre, axes, size)
-
-
-class _Arrows:
-    """Forces of hands, with their size in N."""
-
-    def __init__(self, server: viser.ViserServer):
-        self._server = server
-        self._arrows: viser.ArrowsHandle | None = None
-        self._labels: list[viser.LabelHandle] = []
-
-    def draw(self, pulls: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> None:
-        pulls = [pull for pull in pulls if np.linalg.norm(pull[1]) > LEAST_FORCE]
-        if not pulls:
-            if self._arrows is not None:
-                self._arrows.visible = False
-            for label in self._labels:
-                label.visible = False
-            return
-        ends = np.array([[p, p + PER_NEWTON * force] for p, force, _ in pulls], np.float32)
-        if self._arrows is None:
-            self._arrows = self._server.scene.add_arrows(
-                "/over/forces",
-                ends,
-                ORANGE,
-                shaft_radius=0.007,
-                head_radius=0.018,
-                head_length=0.045,
-            )
-        self._arrows.points, self._arrows.visible = ends, True
-        while len(self._labels) < len(pulls):
-            name = f"/over/newton{len(self._labels)}"
-            self._labels.append(self._server.scene.add_label(name, "", depth_test=False))
-        for k, label in enumerate(self._labels):
-            label.visible = k < len(pulls)
-            if k < len(pulls):
-                label.text = f"{np.linalg.norm(pulls[k][1]):.0f} N"
-                label.position = ends[k, 1]
 
 
 class _Ghost:
@@ -198,26 +140,3 @@ class _Ghost:
             if poses is not None:
                 handle.position = poses[0][body]
                 handle.wxyz = rotation.to_quaternion(poses[1][body].reshape(3, 3))
-
-
-def frame(server: viser.ViserServer, world: World) -> None:
-    """Look at the robot: through the camera of films, or from before its hands."""
-    model = world.model
-    data = mujoco.MjData(model)
-    data.qpos[[model.joint(name).qposadr[0] for name in world.description.joints]] = (
-        world.robot.home
-    )
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_camlight(model, data)
-    hands = [data.site(site).xpos for site in world.robot.hands.values()]
-    middle = np.mean(hands, axis=0)
-    camera = server.initial_camera
-    if HERO in cameras(model):
-        place = data.camera(HERO).xpos
-        # From the same side, but with the hands in the middle and some room around them.
-        camera.position, camera.look_at = middle + ROOM * (place - middle), middle
-        camera.fov = np.radians(model.camera(HERO).fovy[0])
-        return
-    size = max(float(np.linalg.norm(middle - data.xpos[1])), 0.3)
-    camera.look_at = middle
-    camera.position = middle + size * np.array([2.2, 1.4, 1.1])

@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from tpsim.film.clip import Clip, Ellipsoid
-from tpsim.study.measure import Measure
+from tpsim.study.measure import Measure, concerns
 from tpsim.study.record import Record, Records
 from tpsim.study.study import Lab
 from tpsim.world.trial import Trial
@@ -60,14 +62,60 @@ def _performance(lab: Lab, record: Record, why: str) -> Clip:
 def _worst(records: Sequence[Record], measures: Sequence[Measure]) -> tuple[Record, str]:
     """The record that comes nearest to a limit, or farthest beyond it, and which limit that is."""
     learned = [r for r in records if r.condition.controller == "learned"] or list(records)
-    worst, why, farthest = learned[0], "a person pushes", -1.0
+    strains = [_strain(record, measures) for record in learned]
+    number = int(np.argmax([share for share, _ in strains]))
+    words = strains[number][1]
+    return learned[number], f"the worst trial: {words}" if words else "a person pushes"
+
+
+def _strain(record: Record, measures: Sequence[Measure]) -> tuple[float, str]:
+    """Of all limits, the largest share that a trial takes up, -1 without any; and in words."""
+    share, words = -1.0, ""
     for measure in measures:
         if measure.limit is None or measure.at_least or measure.of is None:
             continue
-        for record in learned:
-            value = measure.number(record)
-            if value is None or value / (measure.limit or 1.0) <= farthest:
-                continue
-            worst, farthest = record, value / (measure.limit or 1.0)
-            why = f"the worst trial: {measure.title or measure.name} {value:.3g} {measure.unit}"
-    return worst, why.strip()
+        value = measure.number(record)
+        if value is not None and value / (measure.limit or 1.0) > share:
+            share = value / (measure.limit or 1.0)
+            words = f"{measure.title or measure.name} {value:.3g} {measure.unit}".strip()
+    return share, words
+
+
+def best_median_worst(lab: Lab, records: Records) -> dict[str, Clip]:
+    """The learned controller's trials that keep farthest from their limits, least so, and between.
+
+    Parameters
+    ----------
+    lab : Lab
+    records : Records
+
+    Returns
+    -------
+    dict
+        By what they are; fewer where there are fewer trials, or no limits.
+    """
+    learned = [record for record in records.select() if record.condition.shown is None]
+    measures, judged = lab.study.all_measures, []
+    for record in learned:
+        label = record.condition.label
+        share, words = _strain(record, [m for m in measures if concerns(m, label)])
+        diverged = record.trial.outcome == "diverged"
+        judged.append((np.inf, "diverged", record) if diverged else (share, words, record))
+    judged.sort(key=lambda each: each[0])
+    if not judged:
+        return {}
+    if judged[0][0] == judged[-1][0]:
+        places = {"a trial": 0}
+    else:
+        places = {"best": 0, "median": (len(judged) - 1) // 2, "worst": len(judged) - 1}
+    found, taken = {}, set()
+    for name, place in places.items():
+        _, words, record = judged[place]
+        if place in taken:
+            continue
+        taken.add(place)
+        about = f"{record.condition.label}, situation {record.condition.situation.index}"
+        found[f"{name}: {about}" + (f"; {words}" if words else "")] = clip_of(
+            lab, record.trial, name
+        )
+    return found

@@ -50,6 +50,7 @@ def write_report(
     figures: Sequence[Result] = (),
     film: Path | None = None,
     no_film: str = NO_FILM,
+    in_3d: str = "",
     lead: str = "",
     notes: Sequence[str] = (),
     about: Mapping[str, object] | None = None,
@@ -73,6 +74,8 @@ def write_report(
         An MP4 file to embed.
     no_film : str
         What to say without it: why there is none, and how to get one.
+    in_3d : str
+        HTML of :func:`tpsim.study.embedded.embedded`.
     lead : str
         The opening paragraph.
     notes : sequence of str
@@ -91,6 +94,7 @@ def write_report(
         (
             _header(title, lead, about or {}, figures),
             _film(film, no_film),
+            in_3d,
             _figures_table(figures),
             *map(_section, sections),
             _notes(notes),

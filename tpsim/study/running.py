@@ -15,6 +15,7 @@ from tpsim.errors import RenderingError
 from tpsim.film import rendering
 from tpsim.film.video import film as write_film
 from tpsim.study import clips, figures, fronts, learned, series, teaching
+from tpsim.study.embedded import embedded
 from tpsim.study.files.run import DEMONSTRATIONS, Run
 from tpsim.study.measure import Result
 from tpsim.study.record import Records
@@ -178,5 +179,6 @@ def _report(
         sections=[*sections, taught, learned.section(task, lab.models)],
         film=film,
         no_film=hint,
+        in_3d=embedded(clips.best_median_worst(lab, records)),
         about={"seed": run.file.seed, "started": run.file.started},
     )

@@ -5,17 +5,15 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from tpsim.play.ellipsoids import Ellipsoid, Ellipsoids
-from tpsim.play.learned import ellipsoids, weights
+from tpsim.film.marks import Ellipsoid, Ellipsoids
+from tpsim.play.learned import ellipsoids
 from tpsim.play.lessons import Learned
+from tpsim.play.panels.frames import ASPECT, CONFIG, FramePlot
+from tpsim.play.seen import matters, plot_matters
 from tpsim.plot.style import PALETTE
 
 if TYPE_CHECKING:
     from tpsim.play.page import Page
-
-
-BARS = "▁▂▃▄▅▆▇█"
-"""From nothing to all."""
 
 
 class LearningPanel:
@@ -43,6 +41,9 @@ class LearningPanel:
         self._said = gui.add_markdown("")
         self._shapes = gui.add_checkbox("Show ellipsoids in the scene", False)
         self._shapes.on_update(page.guarded(self._draw))
+        self._over_time = gui.add_folder("Which frames matter over time", visible=False)
+        self._curves: viser.GuiPlotlyHandle | None = None
+        self._frame_plot = FramePlot(gui, task)
         self._drawn: dict[str, Ellipsoids] = {}
         self._learned: Learned | None = None
 
@@ -74,11 +75,15 @@ class LearningPanel:
             likelihood = learned.log_likelihood.get(name)
             words = "" if likelihood is None else f", log-likelihood {likelihood:.1f}"
             rows.append(f"**{name}** from {count} demonstrations ({whose}){words}")
-        session = self._page.session
-        rows.append("\nHow much each frame matters, component by component:")
-        for name, share in weights(session.task, learned.models).items():
-            rows.append(f"`{''.join(BARS[round(7 * s)] for s in share)}` {name}")
         self._said.content = "  \n".join(rows)
+        curves = plot_matters(matters(self._page.session.task, learned.models, learned.seen))
+        if self._curves is None:
+            with self._over_time:
+                self._curves = self._page.server.gui.add_plotly(
+                    curves, config=CONFIG, aspect=ASPECT
+                )
+        self._curves.figure, self._over_time.visible = curves, True
+        self._frame_plot.show(learned.seen, learned.models)
         self._draw()
 
     def _learn(self) -> None:

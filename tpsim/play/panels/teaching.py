@@ -7,6 +7,7 @@ import viser
 
 from tpsim.play.hands import Others
 from tpsim.play.lessons import FEWEST
+from tpsim.play.panels.frames import FramePlot
 from tpsim.play.recording import Recorded
 from tpsim.plot.style import PALETTE
 
@@ -44,11 +45,12 @@ class TeachingPanel:
         self._last = gui.add_button("Throw the last kept away", icon=viser.Icon.TRASH)
         self._last.on_click(page.guarded(self._drop_last))
         self._said = gui.add_markdown("")
+        self._frame_plot = FramePlot(gui, page.session.task)
         self._pending: Recorded | None = None
         self._gizmos = {
             site: self._gizmo(name, site) for name, site in page.session.world.robot.hands.items()
         }
-        self._led: set[str] = set()
+        self._led: dict[str, int] = {}
         self._traces: list = []
         self.refresh()
 
@@ -75,6 +77,11 @@ class TeachingPanel:
                     pose = session.world.robot.at(session.going.state.q).pose(site)
                 gizmo.position, gizmo.wxyz = pose.position, pose.quaternion
 
+    def gone(self, client: int) -> None:
+        """Gizmos that a browser held when it went follow the hands again."""
+        for site in [site for site, holder in self._led.items() if holder == client]:
+            self._led.pop(site, None)
+
     @staticmethod
     def _verdict(recorded: Recorded) -> str:
         seconds = recorded.condition.duration
@@ -95,12 +102,12 @@ class TeachingPanel:
             wanted = gizmo.position, _four(gizmo.wxyz)
             with session.lock:
                 if event.phase == "start":
-                    self._led.add(site)
+                    self._led[site] = event.client_id
                     session.grab(who, site, *wanted)
                 elif event.phase == "update":
                     session.move(who, *wanted)
                 else:
-                    self._led.discard(site)
+                    self._led.pop(site, None)
                     session.let_go(who)
 
         return gizmo
@@ -149,7 +156,8 @@ class TeachingPanel:
         self._draw()
 
     def _draw(self) -> None:
-        """Traces of the hands in all that was kept."""
+        """Traces of the hands in all that was kept, and what frames saw of it."""
+        self._frame_plot.show(self._page.lessons.look(self._page.session.task))
         for trace in self._traces:
             trace.remove()
         self._traces = []

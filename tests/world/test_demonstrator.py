@@ -95,7 +95,7 @@ def test_nothing_is_done_about_an_error_before_it_is_seen(delay):
     moved = []
     for k in range(600):
         error = np.full(6, 0.01 if k >= 100 else 0.0)
-        correction.act(k, error, EVERYTHING.at(k), able=True)
+        correction.act(k, lambda e=error: e, lambda: EVERYTHING.at(0), lambda: True)
         moved.append(correction.now[0])
     first = np.flatnonzero(moved)[0]
     assert 100 + round(delay / H) <= first <= 100 + round((delay + 0.05) / H)
@@ -105,8 +105,8 @@ def test_nobody_corrects_what_does_not_matter_nor_pulls_harder_when_exhausted():
     care, error = Care(position=(0, 1, 0)).at(0), np.full(6, 0.01)
     one, other = Correction(Sight(), H), Correction(Sight(), H)
     for k in range(2000):
-        one.act(k, error, care, able=True)
-        other.act(k, error, care, able=False)
+        one.act(k, lambda: error, lambda: care, lambda: True)
+        other.act(k, lambda: error, lambda: care, lambda: False)
     assert one.now[1] > 0.005
     assert not np.delete(one.now, 1).any()
     assert not other.now.any()

@@ -225,14 +225,12 @@ class Robot:
     def chain(self, site: str) -> np.ndarray:
         """Indices (k,) in q of the joints that move a site."""
         frame = self._pin.frames[self._site(site)]
-        supports = list(self._pin.supports[frame.parentJoint])
+        supports = self._pin.supports[frame.parentJoint]
         return np.array([joint - 1 for joint in supports if joint > 0], int)
 
     def gravity_torque(self, q: ArrayLike) -> np.ndarray:
         """Torque (n,) [Nm] that holds the robot still at q (n,)."""
-        q = self.posture("q", q)
-        torque = pin.computeGeneralizedGravity(self._pin, self._dynamics, q)
-        return self._with_springs(torque, q) if self._sprung else torque
+        return self.compute_gravity(self.posture("q", q))
 
     def friction_torque(self, dq: np.ndarray) -> np.ndarray:
         """Torque (n,) [Nm] against friction at dq (n,), smooth, never more than it takes."""
@@ -262,14 +260,17 @@ class Robot:
 
     # What a State asks for.
 
+    def compute_gravity(self, q: np.ndarray) -> np.ndarray:
+        """Gravity and spring torque (n,) [Nm]."""
+        return self._with_springs(pin.computeGeneralizedGravity(self._pin, self._dynamics, q), q)
+
     def compute_bias(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
         """Coriolis, centrifugal, gravity and spring torque (n,) [Nm]."""
-        torque = pin.nonLinearEffects(self._pin, self._dynamics, q, dq)
-        return self._with_springs(torque, q) if self._sprung else torque
+        return self._with_springs(pin.nonLinearEffects(self._pin, self._dynamics, q, dq), q)
 
     def _with_springs(self, torque: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Torque against the joints' own springs, added; most robots have none."""
-        return torque + self._springs * (q - self._slack)
+        return torque + self._springs * (q - self._slack) if self._sprung else torque
 
     def compute_mass(self, q: np.ndarray) -> np.ndarray:
         """Inertia (n, n) with armature."""

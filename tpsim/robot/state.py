@@ -76,7 +76,7 @@ class State:
     @property
     def gravity(self) -> np.ndarray:
         """Torque (n,) [Nm] that holds the robot still."""
-        return self.robot.gravity_torque(self.q)
+        return self.robot.compute_gravity(self.q)
 
     def pose(self, site: str) -> Pose:
         """Pose of a site in the world."""

@@ -174,7 +174,7 @@ class BoundGuide:
     def act(self, step: int, state: State) -> None:
         """Apply the wrench of this time step."""
         k, site = step - self._first, self._guide.site
-        pose = state.pose(site)
+        pose, before = state.pose(site), self.wrench
         self.point, self.wrench = pose.position, np.zeros(6)
         if not 0 <= k < len(self._guide.path):
             return
@@ -183,11 +183,8 @@ class BoundGuide:
         if self._eyes is None:
             wanted = self._guide.path.seen_from(frame, k)
         else:
-            wanted = self._eyes.wanted(k, pose, frame)
-        grip = self._guide.grip
-        self.wrench = grip.wrench(pose, state.twist(site), *wanted)
-        if self._eyes is not None:
-            self._eyes.tired = bool(grip.spends(self.wrench))
+            wanted = self._eyes.wanted(k, pose, frame, before)
+        self.wrench = self._guide.grip.wrench(pose, state.twist(site), *wanted)
         self._simulation.apply_wrench(self._body, self.wrench, pose.position)
 
 
@@ -195,19 +192,36 @@ class _Eyes:
     """What a guide does about what it sees: where it expects its object, what it corrects."""
 
     def __init__(self, guide: Guide, sight: Sight, timestep: float):
-        self._path, self._care = guide.path, guide.care
+        self._path, self._care, self._grip = guide.path, guide.care, guide.grip
         self._watched = Watched(sight.delay, timestep)
         self._correction = Correction(sight, timestep)
-        self.tired = False
 
-    def wanted(self, k: int, pose: Pose, frame: Moving | None) -> Moving:
-        """Where the hand leads to at step k, with the site at a pose, the object in a frame."""
-        (R_now, p_now), _ = self._path.seen_from(frame, k)
-        base = np.eye(3) if frame is None else frame[0].rotation
-        missing = p_now - pose.position, pin.log3(R_now @ pose.rotation.T)
-        error = np.concatenate([base.T @ part for part in missing])
-        self._correction.act(k, error, self._care.at(k), not self.tired)
+    def wanted(self, k: int, pose: Pose, frame: Moving | None, pulled: np.ndarray) -> Moving:
+        """Where the hand leads to at step k, with the site at a pose, the object in a frame.
+
+        ``pulled`` is the wrench (6,) of the step before.
+        """
+        self._correction.act(
+            k,
+            lambda: self._error(k, pose, frame),
+            lambda: self._care.at(k),
+            lambda: not self._grip.spends(pulled),
+        )
         expected = None if frame is None else self._watched.expect(*frame)
         (R, p), twist = self._path.seen_from(expected, k)
-        moved, turned = np.split(self._correction.now, 2)
+        base = _base(frame)
+        moved, turned = self._correction.now[:3], self._correction.now[3:]
         return Pose(pin.exp3(base @ turned) @ R, p + base @ moved), twist
+
+    def _error(self, k: int, pose: Pose, frame: Moving | None) -> np.ndarray:
+        """What is missing (6,) in the axes of the frame."""
+        (R_now, p_now), _ = self._path.seen_from(frame, k)
+        missing = p_now - pose.position, pin.log3(R_now @ pose.rotation.T)
+        return np.concatenate([_base(frame).T @ part for part in missing])
+
+
+def _base(frame: Moving | None) -> np.ndarray:
+    return _WORLD if frame is None else frame[0].rotation
+
+
+_WORLD = np.eye(3)

@@ -1,6 +1,7 @@
 """What a person sees while leading: late, now and then, and acted upon where it matters."""
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -82,33 +83,46 @@ class Correction:
     """
 
     def __init__(self, sight: Sight, timestep: float):
-        self._past = deque[np.ndarray](maxlen=round(sight.delay / timestep) + 1)
-        self._first = round(sight.first / timestep)
+        self._late, self._first = round(sight.delay / timestep), round(sight.first / timestep)
         self._interval = round(sight.interval / timestep)
         self._share = 1 - np.exp(-timestep / sight.smoothing) if sight.smoothing else 1.0
         self._gain = sight.gain
+        self._noted: dict[int, np.ndarray] = {}
         self._decided, self.now = np.zeros(6), np.zeros(6)
 
-    def act(self, step: int, error: np.ndarray, care: np.ndarray, able: bool) -> None:
+    def act(
+        self,
+        step: int,
+        error: Callable[[], np.ndarray],
+        care: Callable[[], np.ndarray],
+        able: Callable[[], bool],
+    ) -> None:
         """Take note of an error; look, where it is time to, and correct.
+
+        What is not seen in any look is not asked for.
 
         Parameters
         ----------
         step : int
-            Since the hand took hold.
-        error : (6,)
-            What is missing [m], [rad].
-        care : (6,)
-            How much each of it matters, 0 to 1.
-        able : bool
+            Since the hand took hold: 0, 1, 2, ...
+        error : callable
+            What is missing (6,) [m], [rad].
+        care : callable
+            How much each of it matters (6,), 0 to 1.
+        able : callable
             Whether the person's strength is not exhausted: nobody pulls harder than that.
         """
-        self._past.append(error)
-        if step >= self._first and (step - self._first) % self._interval == 0 and able:
-            self._decided = self._decided + self._gain * care * self._past[0]
+        if step == 0 or self._looks(step + self._late):
+            self._noted[step] = error()
+        if self._looks(step) and able():
+            seen = self._noted[max(step - self._late, 0)]
+            self._decided = self._decided + self._gain * care() * seen
             for part, most in zip((self._decided[:3], self._decided[3:]), GIVES_UP, strict=True):
                 part *= min(1.0, most / max(float(np.linalg.norm(part)), 1e-12))
         self.now = self.now + self._share * (self._decided - self.now)
+
+    def _looks(self, step: int) -> bool:
+        return step >= self._first and (step - self._first) % self._interval == 0
 
 
 def foreseen(places: np.ndarray, timestep: float, delay: float) -> np.ndarray:

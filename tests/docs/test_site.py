@@ -96,9 +96,14 @@ class Looked:
         self.page = self.context.new_page()
         self.page.on("console", lambda m: m.type == "error" and self.complaints.append(m.text))
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
-        self.page.on("requestfailed", lambda request: self.complaints.append(request.url))
+        self.page.on("requestfailed", self._failed)
         self.page.on("request", self._asked)
         self.address = address
+
+    def _failed(self, request):
+        # Whoever goes on to the next page calls off what is not there yet, such as its icon.
+        if request.failure != "net::ERR_ABORTED":
+            self.complaints.append(f"{request.url}: {request.failure}")
 
     def _asked(self, request):
         if not request.url.startswith((self.address, "data:")):

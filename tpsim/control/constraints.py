@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import felt, finite_array, frozen_array, instance
+from tpsim.checks import array_of, felt, finite_array, frozen_array, instance, shown
 from tpsim.errors import ArgumentError
 
 
@@ -96,9 +96,10 @@ class Constraint(Stored):
 
 def joint_range(lower: ArrayLike, upper: ArrayLike) -> Constraint:
     """Angles q of joints within lower and upper (n,) [rad], of states [q, dq]."""
-    lower, upper = np.atleast_1d(lower), np.atleast_1d(upper)
-    n = lower.shape[-1]
-    return Constraint("joint range", lower, upper, state=np.eye(n, 2 * n))
+    name = "joint range"
+    least, most = _limits(name, "lower", lower), _limits(name, "upper", upper)
+    n = least.shape[-1]
+    return Constraint(name, least, most, state=np.eye(n, 2 * n))
 
 
 def joint_speed(limit: ArrayLike) -> Constraint:
@@ -131,13 +132,13 @@ def joint_torque(limit: ArrayLike, mass: ArrayLike, bias: ArrayLike = 0.0) -> Co
 
 def _limits(name: str, side: str, value: object) -> np.ndarray:
     """Limits as an array that may be infinite, or an ArgumentError."""
-    try:
-        limits = np.atleast_1d(np.array(value, float))
-    except (TypeError, ValueError):
+    given = array_of(f"{side} of constraint '{name}'", value)
+    if given.dtype.kind not in "iuf" or not given.size:
         raise ArgumentError(
-            f"constraint '{name}': {side} is {value!r:.60}; give limits (c,) or (T, c)"
-        ) from None
+            f"{side} of constraint '{name}' is {shown(value)}; give limits (c,) or (T, c)"
+        )
+    limits = np.atleast_1d(given.astype(float))
     if np.isnan(limits).any():
-        raise ArgumentError(f"constraint '{name}': {side} holds NaN; infinity means no limit")
+        raise ArgumentError(f"{side} of constraint '{name}' holds NaN; infinity means no limit")
     limits.flags.writeable = False
     return limits

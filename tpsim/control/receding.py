@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.checks import affordable
+from tpsim.checks import affordable, finite_array, several
 from tpsim.control.constrained import ConstrainedPlan, constrained_lqt
 from tpsim.control.constraints import Constraint
 from tpsim.control.feedback import checked_state
@@ -58,10 +58,11 @@ def receding_horizon(
         As in :func:`lqt` and :func:`constrained_lqt`.
 
     """
-    steps = affordable("steps", steps, np.size(initial) ** 2, least=0)
+    initial = finite_array("initial", initial)
+    steps = affordable("steps", steps, initial.size**2, least=0)
     if not callable(reference):
         raise ArgumentError(f"reference is a {type(reference).__name__}; give reference(t, state)")
-    states, controls = [np.array(initial)], []
+    states, controls = [initial], []
     missed: dict[str, float] = {}
     for t in range(steps):
         now = _system(system, t, states[-1])
@@ -69,7 +70,7 @@ def receding_horizon(
             states = [checked_state(initial, now.size[0])]
         means, precisions = reference(t, states[-1])
         kept = constraints(t, states[-1]) if callable(constraints) else constraints
-        if kept:
+        if kept := several("constraints", kept, Constraint):
             plan = constrained_lqt(
                 means, precisions, now, effort, states[-1], kept, infeasible="relax"
             )

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tpsim.checks import instance
+from tpsim.checks import entries, several
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame, frames_or_none
 from tpsim.gaussian import Gaussian
@@ -42,8 +42,8 @@ def state_references(
     ArgumentError
         A sequence that visits no state or one that is not there, or other lengths or sizes.
     """
-    some = [gaussians] if isinstance(gaussians, Gaussian) else list(gaussians)
-    sequences = list(sequences)
+    some = several("gaussians", gaussians, Gaussian, "such as model.gaussians")
+    sequences = entries("sequences", sequences)
     maps: list[Frame | None] = [None] * len(some)
     if frames is not None:
         maps = frames_or_none("frames", frames)
@@ -54,7 +54,6 @@ def state_references(
         )
     means, precisions = [], []
     for j, (gaussian, states, frame) in enumerate(zip(some, sequences, maps, strict=True)):
-        instance(f"gaussians[{j}]", gaussian, Gaussian, "such as model.gaussians")
         if gaussian.mean.ndim != 2:
             raise ArgumentError(
                 f"gaussians[{j}] have means of shape {gaussian.mean.shape}; give (K, d)"

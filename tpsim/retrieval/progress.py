@@ -9,7 +9,7 @@ After S.-Z. Yu, "Hidden semi-Markov models", Artificial Intelligence 174, 2010, 
 states and ages this is where one tick passes in every step.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -40,11 +40,10 @@ class Pace:
         Probabilities that are negative or do not sum to one.
     """
 
-    likely: np.ndarray = (0.1, 0.8, 0.1)  # type: ignore[assignment]  # made an array
+    likely: np.ndarray = field(default_factory=lambda: np.array([0.1, 0.8, 0.1]))
     lasting: Share = 0.5
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "likely", np.asarray(self.likely, float))
         checked(self)
         object.__setattr__(self, "likely", checked_priors(self.likely, "likely"))
 

@@ -76,6 +76,10 @@ class FiniteHorizon(RenewedImpedance):
         Cost r of torque [1/(Nm)^2], against the log-likelihood of the movement.
     every : int
         Time steps for which stiffness, damping and the velocity of the reference last.
+
+    What is known of an object's pose up to a covariance counts for less, and what was not seen at
+    all for nothing: the movement then goes by the other objects. The arm holds still until one
+    of them is seen.
     """
 
     @border
@@ -157,6 +161,9 @@ class FiniteHorizon(RenewedImpedance):
             self._rest = state.q
         if time >= self._next_look:
             self._look(state, time)
+        if self._seen is None:  # nothing that the movement could go by was seen yet
+            mass = state.mass
+            return Impedance(HOLD * mass, 2 * HOLD**0.5 * mass, self._rest)
         step, spring, change = self._law(time)
         seen = self._view(state)
         J, M = seen.jacobian[:, arm], state.mass
@@ -181,19 +188,32 @@ class FiniteHorizon(RenewedImpedance):
         return Impedance(stiffness, damping, reference, velocity)
 
     def _look(self, state: State, time: float) -> None:
-        """Plan, if there is none or an object has moved since."""
+        """Plan, if there is none or an object has moved since, or is known otherwise."""
         self._next_look = time + LOOK - 1e-9
-        objects = [state.objects[name].pose for name in self.objects]
-        seen = np.concatenate([part.ravel() for pose in objects for part in pose])
-        if self._seen is None or np.abs(seen - self._seen).max() > MOVED:
+        known = [k for k, name in enumerate(self.objects) if name in state.objects]
+        poses = [state.objects[self.objects[k]].pose for k in known]
+        unsure = [state.objects.covariance(self.objects[k]) for k in known]
+        parts = [part.ravel() for pose in poses for part in pose]
+        parts += [np.sqrt(part.diagonal()) for part in unsure if part is not None]
+        seen = np.concatenate([np.array(known, float), *parts])
+        before = self._seen
+        moved = before is None or before.shape != seen.shape
+        if known and (moved or np.abs(seen - before).max() > MOVED):
             self._seen = seen
-            self._plan(min(round(time / self.dt), self._steps - 1), objects)
+            first = min(round(time / self.dt), self._steps - 1)
+            self._plan(first, [self.movements[k] for k in known], poses, unsure)
 
-    def _plan(self, first: int, poses: Sequence[Pose]) -> None:
-        """Make the law from a step of the movement to its end."""
-        rest = [movement.from_step(first) for movement in self.movements]
+    def _plan(
+        self,
+        first: int,
+        movements: Sequence[SeenMovement],
+        poses: Sequence[Pose],
+        unsure: Sequence[np.ndarray | None],
+    ) -> None:
+        """Make the law from a step of the movement to its end, from what is seen of it."""
+        rest = [movement.from_step(first) for movement in movements]
         reference = poses[-1][0] @ rest[-1].reference
-        means, precisions, fused = fuse_poses(rest, poses, reference)
+        means, precisions, fused = fuse_poses(rest, poses, reference, covariances=unsure)
         turning = np.broadcast_to(np.eye(6), precisions.shape[1:]).copy()
         turning[:, 3:, 3:] = rotation.left_jacobian(fused[:, 3:])
         effort = turning.mT @ self._costs[first:] @ turning

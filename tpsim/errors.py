@@ -25,6 +25,10 @@ class SimulationError(TpsimError):
     """A scene, a posture or a task cannot be simulated as asked."""
 
 
+class UnseenError(SimulationError):
+    """A view looks from, or at, an object that was not seen yet."""
+
+
 class RenderingError(TpsimError):
     """No offscreen renderer works here; the message names the packages to install."""
 

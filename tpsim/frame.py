@@ -116,6 +116,55 @@ class Frame(Stored):
             + self.b
         )
 
+    def uncertainty(
+        self, x: ArrayLike, origin: ArrayLike, orientation: ArrayLike = 0.0
+    ) -> np.ndarray:
+        """Covariance (..., D, D) of where local points are, if the frame is not known exactly.
+
+        To first order, an error db of the origin and a small turn dw of the axes move the point
+        A X + b by db + dw x A X.
+
+        Parameters
+        ----------
+        x : (..., d)
+            Local points X, such as the means (K, d) of a model's components.
+        origin : (D, D) or float
+            Covariance of b, or its variance in every direction.
+        orientation : float or (3, 3)
+            Covariance of the turn in common coordinates [rad^2], or its variance about every
+            axis; in the plane and in space.
+
+        Raises
+        ------
+        ArgumentError
+            Shapes that do not fit, or a turn of what is neither plane nor space.
+        """
+        D = self.dim
+        b = finite_array("origin", origin)
+        turn, moved = finite_array("orientation", orientation), self.to_common(x) - self.b
+        axes = {2: 1, 3: 3}.get(D, 0)
+        if b.shape not in ((), (D, D)) or turn.shape not in ((), (axes, axes)):
+            raise ArgumentError(
+                f"origin has shape {b.shape} and orientation {turn.shape}; give numbers, or "
+                f"({D}, {D}) and ({axes}, {axes})"
+            )
+        found = np.broadcast_to(b * np.eye(D) if b.ndim == 0 else b, (*moved.shape, D))
+        if not turn.any():
+            return found.copy()
+        if not axes:
+            raise ArgumentError(
+                f"orientation is uncertain, and the frame has {D} dimensions; it turns in the "
+                "plane and in space: add the covariance of the points yourself"
+            )
+        lever = np.zeros((*moved.shape, axes))
+        if axes == 1:
+            lever[..., 0, 0], lever[..., 1, 0] = -moved[..., 1], moved[..., 0]
+        else:
+            for k, axis in enumerate(np.eye(3)):
+                lever[..., k] = np.cross(axis, moved)
+        spread = turn * np.eye(axes) if turn.ndim == 0 else turn
+        return found + lever @ spread @ lever.mT
+
     def with_input(self, n: int = 1) -> "Frame":
         """Lift by ``n`` inputs, such as time, that the frame leaves alone, Eq. (20)."""
         n = whole("n", n, least=1)

@@ -250,6 +250,16 @@ def gaussian_product(gaussians: Sequence[Gaussian]) -> Gaussian:
     return Gaussian.trusted(origin + (covariance @ information)[..., 0], covariance)
 
 
+def faded(precision: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """Shares (..., D, D) that are left of information when its place is uncertain.
+
+    What is known with a precision Lambda about a place that is itself known up to a covariance S
+    has the precision (Lambda^-1 + S)^-1 = (I + Lambda S)^-1 Lambda, and the information Lambda mu
+    becomes (I + Lambda S)^-1 Lambda mu; Lambda and S may be singular.
+    """
+    return np.linalg.inv(np.eye(precision.shape[-1]) + precision @ covariance)
+
+
 def match_moments(weights: ArrayLike, gaussian: Gaussian) -> Gaussian:
     """Single Gaussian with the mean and covariance of a mixture, Eqs (17-19) and App. C.
 

@@ -82,6 +82,10 @@ class FiniteHorizon(RenewedImpedance):
         Of the movement's states, with durations in steps of ``dt`` that add up to it. Progress is
         then inferred from the hand: held it stands still, pushed on it hurries. By default the
         clock says how far the movement has come.
+
+    What is known of an object's pose up to a covariance counts for less, and what was not seen at
+    all for nothing: the movement then goes by the other objects. The arm holds still until one
+    of them is seen.
     """
 
     @border
@@ -166,6 +170,9 @@ class FiniteHorizon(RenewedImpedance):
             self._rest = state.q
         if time >= self._next_look:
             self._look(state, time)
+        if self._seen is None:  # nothing that the movement could go by was seen yet
+            mass = state.mass
+            return Impedance(HOLD * mass, 2 * HOLD**0.5 * mass, self._rest)
         seen = self._view(state)
         J, M = seen.jacobian[:, arm], state.mass
         when, pace = self._progress.at(time, seen.value, J @ state.dq[arm])
@@ -191,21 +198,33 @@ class FiniteHorizon(RenewedImpedance):
         return Impedance(stiffness, damping, reference, velocity)
 
     def _look(self, state: State, time: float) -> None:
-        """Plan, if there is none or an object has moved since."""
+        """Plan, if there is none or an object has moved since, or is known otherwise."""
         self._next_look = time + LOOK - 1e-9
-        objects = [state.objects[name].pose for name in self.objects]
-        seen = np.concatenate([part.ravel() for pose in objects for part in pose])
-        if self._seen is None or np.abs(seen - self._seen).max() > MOVED:
+        known = [k for k, name in enumerate(self.objects) if name in state.objects]
+        poses = [state.objects[self.objects[k]].pose for k in known]
+        unsure = [state.objects.covariance(self.objects[k]) for k in known]
+        parts = [part.ravel() for pose in poses for part in pose]
+        parts += [np.sqrt(part.diagonal()) for part in unsure if part is not None]
+        seen = np.concatenate([np.array(known, float), *parts])
+        before = self._seen
+        moved = before is None or before.shape != seen.shape
+        if known and (moved or np.abs(seen - before).max() > MOVED):
             self._seen = seen
             # Who may be held or led back needs the law of the whole movement.
             first = 0 if self.chain is not None else min(round(time / self.dt), self._steps - 1)
-            self._plan(first, objects)
+            self._plan(first, [self.movements[k] for k in known], poses, unsure)
 
-    def _plan(self, first: int, poses: Sequence[Pose]) -> None:
-        """Make the law from a step of the movement to its end."""
-        rest = [movement.from_step(first) for movement in self.movements]
+    def _plan(
+        self,
+        first: int,
+        movements: Sequence[SeenMovement],
+        poses: Sequence[Pose],
+        unsure: Sequence[np.ndarray | None],
+    ) -> None:
+        """Make the law from a step of the movement to its end, from what is seen of it."""
+        rest = [movement.from_step(first) for movement in movements]
         reference = poses[-1][0] @ rest[-1].reference
-        means, precisions, fused = fuse_poses(rest, poses, reference)
+        means, precisions, fused = fuse_poses(rest, poses, reference, covariances=unsure)
         self._progress.follow(Gaussian.trusted(fused, np.linalg.inv(precisions.sum(0))))
         turning = np.broadcast_to(np.eye(6), precisions.shape[1:]).copy()
         turning[:, 3:, 3:] = rotation.left_jacobian(fused[:, 3:])

@@ -3,21 +3,28 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from tpsim.checks import LARGEST, number
+from tpsim.checks import LARGEST, entries, finite_array, number
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame, plain_inverse, pseudoinverse
-from tpsim.gaussian import Gaussian, add_ridge, inverse_spd, symmetric
+from tpsim.gaussian import Gaussian, add_ridge, faded, inverse_spd, symmetric
 
 _ZERO = np.zeros(1)
 UNSEEN = 1e-8  # relative length below which a direction counts as seen by no frame
+
+Uncertainty = Sequence[np.ndarray | None] | None
+"""Covariance (..., 1 or K, D, D) of where each frame is, in common coordinates; None: exactly."""
 
 Stack = Callable[[tuple[int, ...]], tuple[np.ndarray, np.ndarray]]
 """Means (G, K, d) and precisions (G, K, d, d) that the model learned in the frames asked for."""
 
 
 def product_of_frames(
-    stack: Stack, frames: Sequence[Frame | None], prior: Gaussian | None
+    stack: Stack,
+    frames: Sequence[Frame | None],
+    prior: Gaussian | None,
+    uncertainty: Uncertainty = None,
 ) -> Gaussian:
     """Gaussians (..., K, D) whose precision is the sum over frames of (A^+)' Sigma^-1 A^+.
 
@@ -40,9 +47,15 @@ def product_of_frames(
         maps.append((A, inverse))
         mean, local = (_with_leading(part, A.ndim - 3) for part in (means, inverses))
         weighted = inverse.mT[..., None, :, :] @ local
-        precisions.append((weighted @ inverse[..., None, :, :]).sum(0))
+        precision = weighted @ inverse[..., None, :, :]
         target = mean + np.matmul(inverse, (b - origin)[..., None]).mT
-        informations.append((weighted @ target[..., None]).sum(0))
+        information = weighted @ target[..., None]
+        for k, j in enumerate(group):
+            if uncertainty is not None and (unsure := uncertainty[j]) is not None:
+                left = faded(precision[k], unsure)
+                precision[k], information[k] = symmetric(left @ precision[k]), left @ information[k]
+        precisions.append(precision.sum(0))
+        informations.append(information.sum(0))
     if prior is not None:
         precisions.append(prior.precision)
         informations.append(prior.precision @ (prior.mean - origin)[..., None])
@@ -70,7 +83,11 @@ def _near(frame: Frame, mean: np.ndarray) -> np.ndarray:
 
 
 def product_with_ridge(
-    local: Sequence[Gaussian], frames: Sequence[Frame | None], ridge: float, prior: Gaussian | None
+    local: Sequence[Gaussian],
+    frames: Sequence[Frame | None],
+    ridge: float,
+    prior: Gaussian | None,
+    uncertainty: Uncertainty = None,
 ) -> Gaussian:
     """Gaussians (..., K, D) from every A Sigma A' + rho I, as the tutorial's own code has it."""
     ridge = number("ridge", ridge, above=0)
@@ -78,9 +95,12 @@ def product_with_ridge(
     factors = [
         (
             (frame.A[..., None, :, :] @ gaussian.mean[..., None]) + frame.b[..., None, :, None],
-            add_ridge(_congruence(frame.A[..., None, :, :], gaussian.covariance), ridge),
+            add_ridge(_congruence(frame.A[..., None, :, :], gaussian.covariance), ridge)
+            + (_ZERO if unsure is None else unsure),
         )
-        for gaussian, frame in zip(local, frames, strict=True)
+        for gaussian, frame, unsure in zip(
+            local, frames, uncertainty or [None] * len(frames), strict=True
+        )
         if frame is not None
     ]
     if prior is not None:
@@ -91,6 +111,44 @@ def product_with_ridge(
         precision, information = precision + more, information + more @ (mean - origin)
     covariance = inverse_spd(precision, "sum of the frames' precisions")
     return Gaussian.trusted((covariance @ information + origin)[..., 0], covariance)
+
+
+def checked_uncertainty(
+    given: Sequence[ArrayLike | None] | None, frames: Sequence[Frame | None], components: int
+) -> Uncertainty:
+    """Covariances of where frames are, (1 or K, D, D) each; None where all are exactly known.
+
+    Raises
+    ------
+    ArgumentError
+        Another number than there are frames, wrong shapes, or what is no covariance.
+    """
+    if given is None:
+        return None
+    parts = entries("uncertainty", given, tables=False)
+    if len(parts) != len(frames):
+        raise ArgumentError(
+            f"uncertainty has {len(parts)} entries; give one for each of {len(frames)} frames, "
+            "None where it is exactly known"
+        )
+    D = next((frame.dim for frame in frames if frame is not None), 0)
+    found: list[np.ndarray | None] = []
+    for j, part in enumerate(parts):
+        if part is None or frames[j] is None:
+            found.append(None)
+            continue
+        name = f"uncertainty[{j}]"
+        covariance = finite_array(name, part)
+        if covariance.shape not in ((D, D), (components, D, D)):
+            raise ArgumentError(
+                f"{name} has shape {covariance.shape}; give ({D}, {D}) or ({components}, {D}, {D})"
+            )
+        size = np.abs(covariance).max(initial=0.0)
+        skew = np.abs(covariance - covariance.mT).max(initial=0.0)
+        if skew > 1e-8 * size or np.linalg.eigvalsh(covariance).min() < -1e-8 * size:
+            raise ArgumentError(f"{name} is no covariance: symmetric, without negative variances")
+        found.append(covariance.reshape(-1, D, D))
+    return found
 
 
 def _congruence(A: np.ndarray, Sigma: np.ndarray) -> np.ndarray:

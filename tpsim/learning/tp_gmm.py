@@ -16,7 +16,7 @@ from tpsim.learning.fit import Options, Start, Views, fit, seen_by_frames
 from tpsim.learning.free_movement import Relevance
 from tpsim.learning.gmm import GMM, checked_priors, log_priors, log_sum, posterior
 from tpsim.learning.moments import Memory
-from tpsim.learning.product import product_of_frames, product_with_ridge
+from tpsim.learning.product import checked_uncertainty, product_of_frames, product_with_ridge
 from tpsim.learning.subspace import FULL, Structure
 
 
@@ -100,7 +100,7 @@ class TPGMM(Stored):
 
     @property
     def free_parameters(self) -> int:
-        """Number of free parameters: means, covariances of this structure, and priors."""
+        """Number of means, entries of covariances of this structure, and priors."""
         per_component = sum(d + self.structure.free_parameters(d) for d in self.dims)
         return self.components * (per_component + 1) - 1
 
@@ -109,22 +109,25 @@ class TPGMM(Stored):
         frames: Sequence[Frame | None],
         ridge: float | None = None,
         prior: Gaussian | None = None,
+        uncertainty: Sequence[ArrayLike | None] | None = None,
     ) -> GMM:
         """Mixture in common coordinates for new frames, Eqs (5-6).
 
-        The product over frames is done in information form: frame j adds the precision
-        (A^+)' Sigma^-1 A^+, which is (A Sigma A')^-1 where A is invertible, and knows nothing
-        outside the range of A.
+        In information form: frame j adds the precision (A^+)' Sigma^-1 A^+, which is
+        (A Sigma A')^-1 where A is invertible, and knows nothing outside the range of A.
 
         Parameters
         ----------
         frames : sequence of P Frame or None
             None where a frame is not observed. Moving frames have leading axes (T,).
         ridge : float, optional
-            Add rho I to every A Sigma A' before inversion instead, as the tutorial's own code
-            does (1e-4); every frame then claims to know every direction.
+            Add rho I to every A Sigma A' instead, as the tutorial's own code does (1e-4); every
+            frame then claims to know every direction.
         prior : Gaussian (D,), optional
-            A weak prior on every component, for directions that no frame determines.
+            On every component, weak: for directions that no frame determines.
+        uncertainty : sequence of P arrays (D, D), (K, D, D) or None, optional
+            Covariance of where each frame is (:meth:`tpsim.Frame.uncertainty`), added to A Sigma A'
+            before Eq. (6); None: exactly known.
 
         Returns
         -------
@@ -138,25 +141,23 @@ class TPGMM(Stored):
             determines; the message names it.
         """
         frames = self._checked_frames(frames, prior)
+        unsure = checked_uncertainty(uncertainty, frames, self.components)
         if ridge is not None:
-            gaussians = product_with_ridge(self.frames, frames, ridge, prior)
+            gaussians = product_with_ridge(self.frames, frames, ridge, prior, unsure)
         else:
-            gaussians = product_of_frames(self._stack, frames, prior)
+            gaussians = product_of_frames(self._stack, frames, prior, unsure)
         return GMM.trusted(self.priors, gaussians)
 
     def log_joint(self, observations: object) -> np.ndarray:
         """Log of prior times densities in all frames for every component, (N, K)."""
         views = seen_by_frames(observations).views
-        if tuple(view.shape[1] for view in views) != self.dims:
+        shapes = [view.shape for view in views]
+        if tuple(shape[1] for shape in shapes) != self.dims:
             raise ArgumentError(
-                f"observations have shapes {[view.shape for view in views]}; the model's frames "
-                f"have dimensions {list(self.dims)}"
+                f"observations have shapes {shapes}; the model's frames see {list(self.dims)}"
             )
-        densities = [
-            gaussian.log_density(view[:, None])
-            for gaussian, view in zip(self.frames, views, strict=True)
-        ]
-        return log_priors(self.priors) + sum(densities)
+        seen = zip(self.frames, views, strict=True)
+        return log_priors(self.priors) + sum(one.log_density(view[:, None]) for one, view in seen)
 
     def log_likelihood(self, observations: Views) -> np.ndarray:
         """Log-likelihood of every sample, (N,); its mean compares with history.
@@ -173,10 +174,8 @@ class TPGMM(Stored):
         """Means (G, K, d) and precisions (G, K, d, d) of frames of equal dimension."""
         if group not in self._stacks:
             members = [self.frames[j] for j in group]
-            self._stacks[group] = (
-                np.stack([gaussian.mean for gaussian in members]),
-                np.stack([gaussian.precision for gaussian in members]),
-            )
+            precisions = np.stack([gaussian.precision for gaussian in members])
+            self._stacks[group] = np.stack([gaussian.mean for gaussian in members]), precisions
         return self._stacks[group]
 
     @cached_property

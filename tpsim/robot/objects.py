@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from tpsim.border import read
 from tpsim.checks import shown
-from tpsim.errors import SimulationError
+from tpsim.errors import SimulationError, UnseenError
 from tpsim.pose import Pose
 
 
@@ -48,9 +48,11 @@ class Objects(Mapping[str, Moving]):
         (w, x, y, z)
     twists : (k, 6), optional
         Linear over angular velocity, world-aligned; at rest by default.
+    covariances : (k, 6, 6), optional
+        Of position [m] over a small turn about the world's axes [rad]; exactly known by default.
     """
 
-    __slots__ = ("_moving", "_rows", "positions", "quaternions", "twists")
+    __slots__ = ("_moving", "_rows", "covariances", "positions", "quaternions", "twists")
 
     def __init__(
         self,
@@ -58,8 +60,9 @@ class Objects(Mapping[str, Moving]):
         positions: np.ndarray,
         quaternions: np.ndarray,
         twists: np.ndarray | None = None,
+        covariances: np.ndarray | None = None,
     ):
-        self._rows = rows
+        self._rows, self.covariances = rows, covariances
         self._moving: dict[str, Moving] = {}
         self.positions, self.quaternions, self.twists = positions, quaternions, twists
 
@@ -80,11 +83,15 @@ class Objects(Mapping[str, Moving]):
 
     def moving(self, twists: np.ndarray) -> "Objects":
         """The same objects with other velocities (k, 6)."""
-        other = Objects(self._rows, self.positions, self.quaternions, twists)
+        other = Objects(self._rows, self.positions, self.quaternions, twists, self.covariances)
         for name, row in self._rows.items():
             R, p = self[name][:2]
             other._moving[name] = Moving(R, p, twists[row, :3], twists[row, 3:])
         return other
+
+    def covariance(self, name: str) -> np.ndarray | None:
+        """Covariance (6, 6) of the pose of an object; None where it is exactly known."""
+        return None if self.covariances is None else self.covariances[self._rows[name]]
 
     def __getitem__(self, name: str) -> Moving:
         """Return the object called ``name``."""
@@ -95,15 +102,19 @@ class Objects(Mapping[str, Moving]):
 
     def _look(self, name: str) -> Moving:
         if not isinstance(name, str) or name not in self._rows:
-            raise SimulationError(
-                f"there is no object {shown(name)} in the scene; it has "
-                f"{sorted(self._rows) or 'none'}"
-            )
+            known = sorted(self._rows) or "none"
+            if self.covariances is not None:
+                raise UnseenError(f"object {shown(name)} was not seen yet; seen are {known}")
+            raise SimulationError(f"there is no object {shown(name)} in the scene; it has {known}")
         row = self._rows[name]
         w, x, y, z = self.quaternions[row].tolist()
         twist = _REST if self.twists is None else self.twists[row]
         R = pin.Quaternion(w, x, y, z).matrix()
         return Moving(R, self.positions[row], twist[:3], twist[3:])
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is such an object, and it was seen."""
+        return isinstance(name, str) and name in self._rows
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names."""

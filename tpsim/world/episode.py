@@ -10,6 +10,7 @@ from tpsim.errors import SimulationError
 from tpsim.robot.objects import Objects
 from tpsim.robot.state import State
 from tpsim.world.object_path import MovingObjects, ObjectPath
+from tpsim.world.perception import Camera
 from tpsim.world.plant import NOMINAL, Delay, Plant, Sensors
 from tpsim.world.simulation import Simulation
 
@@ -65,7 +66,7 @@ class Episode:
     objects : sequence of ObjectPath
         Where movable objects are; those without a path stay where the scene has them.
     plant : Plant
-        Sensors and latency.
+        Sensors, latency and how objects are seen.
 
     Attributes
     ----------
@@ -102,7 +103,8 @@ class Episode:
         if not isinstance(self.objects, MovingObjects):
             raise SimulationError("objects that somebody moves by hand are in one trial only")
         other.objects = self.objects.moved_to(simulation)
-        other._sensors, other._delay = copy.deepcopy((self._sensors, self._delay))
+        own = self._sensors, self._delay, self._camera
+        other._sensors, other._delay, other._camera = copy.deepcopy(own)
         return other
 
     def reset(self, start: np.ndarray) -> None:
@@ -113,6 +115,9 @@ class Episode:
         self.touched = ""
         exact = self._plant.encoder_bits is None
         self._sensors = None if exact else Sensors(self._plant, simulation.timestep)
+        perception, first = self._plant.perception, self.objects.now
+        rows = simulation.objects
+        self._camera = None if perception is None else Camera(perception, rows, first)
         held = simulation.robot.gravity_torque(start)
         self._delay = Delay(self._plant, simulation.timestep, held)
 
@@ -122,9 +127,17 @@ class Episode:
         self.objects.act(self._step)
         x, seen, time = simulation.x, self.objects.now, simulation.data.time
         self.truth = State(simulation.robot, x, seen, time)
-        if self._sensors is None:
+        if self._sensors is None and self._camera is None:
             return self.truth
-        return State(simulation.robot, self._sensors.measure(x), seen, time)
+        if self._camera is not None:
+            seen = self._camera.look(time, seen)
+        measured = x if self._sensors is None else self._sensors.measure(x)
+        return State(simulation.robot, measured, seen, time)
+
+    @property
+    def unseen(self) -> tuple[str, ...]:
+        """Objects that the robot did not see up to now."""
+        return () if self._camera is None else self._camera.unseen
 
     @property
     def diverged(self) -> bool:

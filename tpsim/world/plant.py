@@ -13,6 +13,7 @@ import numpy as np
 from tpsim.border import Duration, NotNegative, Range, SeedNumber, Share, border, checked
 from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
+from tpsim.world.perception import Perception
 
 LONGEST_DELAY = 10.0
 """Latency [s] beyond which nothing is controlled any more."""
@@ -39,6 +40,8 @@ class Plant:
         Of that filter [Hz].
     control_period : float, optional
         Time [s] between two commands; every time step by default.
+    perception : Perception, optional
+        How objects are seen; exactly, at any time, by default.
     seed : int
         Of the factors of the masses.
     """
@@ -50,6 +53,7 @@ class Plant:
     encoder_bits: Annotated[int, Range(least=4, most=32)] | None = None
     velocity_cutoff: Annotated[float, Range(above=0, endless=True)] = 40.0
     control_period: Duration | None = None
+    perception: Perception | None = None
     seed: SeedNumber = 0
 
     def __post_init__(self) -> None:
@@ -108,6 +112,7 @@ PLANTS: Mapping[str, Plant] = MappingProxyType(
         "control 500 Hz": Plant(control_period=0.002),
         "control 200 Hz": Plant(control_period=0.005),
         "control 100 Hz": Plant(control_period=0.01),
+        "camera 20 Hz": Plant(perception=Perception()),
         "all at middle values": Plant(
             mass=0.03,
             payload=0.15,

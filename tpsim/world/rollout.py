@@ -63,7 +63,8 @@ def rollout(
     -------
     Trial
         At 100 Hz; ``outcome`` is ``"diverged"`` where the robot became faster than any robot,
-        ``"contact"`` where something touched, else ``"done"``.
+        ``"contact"`` where something touched, ``"unseen: ..."`` where objects never appeared
+        to the robot, else ``"done"``.
 
     Raises
     ------
@@ -208,4 +209,6 @@ class Rollout:
         outcome, episode = self._outcome, self.episode
         if episode.contacts and outcome == "done":
             outcome = "contact"
+        if episode.unseen and outcome == "done":
+            outcome = f"unseen: {', '.join(episode.unseen)}"
         return Trial(self._log.arrays(), outcome, self._log.channels, touched=episode.touched)

@@ -46,7 +46,8 @@ class Trial:
         see :class:`tpsim.world.tank.Energies`.
     outcome : str
         ``"done"``, or why it ended or does not count: ``"diverged"``, ``"contact"``,
-        ``"joint limit"``, ``"saturated"``. A failure is data here, not an exception.
+        ``"joint limit"``, ``"saturated"``, ``"unseen: cup"``. A failure is data here, not an
+        exception.
     channels : Channels
     about : dict
         What is needed to run it again, as plain JSON values.

@@ -19,6 +19,8 @@ from tpsim.tasks.transfer.task import SEEN, Transfer, lesson_between
 from tpsim.tasks.workplace import size_of
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.push import Push
+from tpsim.world.perception import Perception
+from tpsim.world.plant import Plant
 from tpsim.world.teaching import Lesson
 from tpsim.world.world import World
 
@@ -30,6 +32,9 @@ PUSHED = (1.0, 3.5)
 
 MOVED = (2.0, 4.0)
 """When docks that move leave their place, and are in another [s]."""
+
+HIDDEN = (1.5, 4.5)
+"""When the second dock cannot be seen in some of the trials with a camera [s]."""
 
 ENDED = 0.5
 """Time [s] at the end of a trial, of which the worst moment counts."""
@@ -50,11 +55,22 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
             Condition("taught", near, shown="transfer"),
             Condition("moved", _moved(near, docks.draw(lab.world.robot, rng))),
             Condition("far", far),
+            *_seen(task.perception, near, index),
         ]
         for k in range(plan.pushes):
             label, situation = ("far pushed", far) if k % 2 else ("pushed", near)
             found.append(Condition(label, situation, push=(_push(rng, size_of(lab.world.robot)),)))
     yield found
+
+
+def _seen(perception: Perception, situation: Situation, index: int) -> list[Condition]:
+    """The situation as a camera sees it, and with the second dock hidden for a while."""
+    own = replace(perception, seed=perception.seed + index)
+    hidden = replace(own, occluded=(*own.occluded, (docks.NAMES[1], *HIDDEN)))
+    return [
+        Condition("seen", situation, plant=Plant(perception=own)),
+        Condition("hidden", situation, plant=Plant(perception=hidden)),
+    ]
 
 
 def show(world: World, condition: Condition, rng: np.random.Generator) -> Lesson:
@@ -143,6 +159,21 @@ def unreachable(records: Records) -> int:
     return sum(record.trial.outcome == "unreachable" for record in records.select())
 
 
+def unseen(records: Records) -> int:
+    """Trials in which a dock was never seen."""
+    return sum(record.trial.outcome.startswith("unseen") for record in records.select())
+
+
+def seen_ratio(records: Records) -> float:
+    """Mean error of the end with a camera, over that of trials that are told the places."""
+    away = at_the_end(SEEN["end", "position"])
+    seen, told = (
+        [float(away(record).max()) for record in records.select(label)]
+        for label in ("seen", "unpushed")
+    )
+    return float(np.mean(seen) / np.mean(told)) if seen and told else np.nan
+
+
 MEASURES = (
     *_end("end", ("unpushed", "pushed"), "End from the second dock, worst"),
     *_end("end_pushed", "pushed", "End after a push, worst"),
@@ -164,6 +195,10 @@ MEASURES = (
         title="The same, while pushed",
     ),
     health.SATURATED,
+    *_end("end_seen", "seen", "End as a camera sees the docks, worst"),
+    *_end("end_hidden", "hidden", "End where the second dock was hidden for 3 s, worst"),
+    Measure("seen_ratio", whole=seen_ratio, limit=2.0, title="End as seen over end as told, mean"),
+    Measure("unseen", whole=unseen, title="Trials in which a dock was never seen"),
     Measure("unreachable", whole=unreachable, title="Trials that ended out of reach"),
     health.DIVERGED,
     health.CONTACTS,

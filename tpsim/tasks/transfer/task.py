@@ -34,6 +34,7 @@ from tpsim.tasks.one_hand import furnished
 from tpsim.tasks.transfer import docks
 from tpsim.tasks.workplace import DEFAULT, size_for, size_of
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
+from tpsim.world.perception import Perception
 from tpsim.world.teaching import Lesson
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
@@ -98,6 +99,8 @@ class Transfer(Task):
         it stops the movement, who pushes it on speeds it up (docs/progress.md).
     teacher : str
         Whose hands show it: ``"human"``, as measured in people, or ``"firm"``, firmer and finer.
+    perception : Perception
+        How the docks are seen in the trials that are not told where they are.
     """
 
     robot: str = DEFAULT
@@ -107,6 +110,7 @@ class Transfer(Task):
     warp: float = 0.1
     progress: Literal["clock", "state"] = "clock"
     teacher: TeacherName = "firm"
+    perception: Perception = Perception()  # noqa: RUF009 - a frozen value
 
     duration: ClassVar[float] = MOVEMENT + 1.5
     demonstrations: ClassVar[int] = 12
@@ -173,7 +177,7 @@ class Transfer(Task):
 
     def outcome(self, trial: Trial) -> str:
         """``"unreachable"`` where the hand ends far from the second dock."""
-        if trial.outcome == "diverged":
+        if trial.outcome == "diverged" or trial.outcome.startswith("unseen"):
             return trial.outcome
         last = {name: Pose(R[-1], p[-1]) for name in docks.NAMES for R, p in [trial.pose(name)]}
         state = self.stage.robot.at(trial["q"][-1], objects=last)

@@ -8,7 +8,7 @@ of all frames at every moment is one impedance of both arms, which changes from 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar, Literal
 
@@ -18,6 +18,7 @@ from tpsim.border import Count, Positive
 from tpsim.controllers.product import Skill
 from tpsim.controllers.timed_intervention import TimedIntervention
 from tpsim.demonstration import Demonstration
+from tpsim.gaussian import Gaussian
 from tpsim.learning.dtw import align
 from tpsim.learning.subspace import FULL, HDDC, MFA, Structure
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
@@ -73,6 +74,10 @@ STRUCTURES: Mapping[str, Structure] = {"full": FULL, "mfa": MFA(1), "hddc": HDDC
 """Covariances that can be learned, by name."""
 
 Covariance = Literal["full", "mfa", "hddc"]
+
+FINEST = {"position": 0.0015, "angle": 0.01, "posture": 0.05}
+"""Standard deviations [m], [rad] below which no hand can lead: a rest that happened to be the same
+in a few demonstrations is no more precise than that."""
 
 GOALS = {
     "sugar in the bowl": Goal(Thing("sugar", "bowl"), 0.09, since=-0.2),
@@ -132,9 +137,17 @@ class Serve(Task):
         views = [demonstration.resampled(self.samples) for demonstration in seen]
         aligned = align(views, by="frames", band=self.warp * self.samples)
         timed = [view.with_time(clock) for view in aligned]
-        return fit_tp_gmm(
-            timed, self.components, covariance=STRUCTURES[self.covariance], start="time"
-        )
+        structure = STRUCTURES[self.covariance]
+        found = fit_tp_gmm(timed, self.components, covariance=structure, start="time")
+        frames = [
+            Gaussian(frame.mean, frame.covariance + np.diag([0.0, *self._floor(view)]))
+            for view, frame in zip(VIEWS.values(), found.frames, strict=True)
+        ]
+        return replace(found, frames=tuple(frames))
+
+    def _floor(self, view: View) -> list[float]:
+        """Variance of a view that no hand can do without."""
+        return [FINEST[kind] ** 2 for kind in view.kinds(self.stage.robot)]
 
     def situation(self, world: World, rng: np.random.Generator) -> Situation:
         """Draw objects within the taught range, and a posture with both hands ready."""

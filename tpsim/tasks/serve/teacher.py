@@ -58,6 +58,9 @@ SPREAD = 0.03
 MEET, WAIT, ASIDE = (0.66, 0.14, 0.13), (0.0, -0.13, 0.13), (0.02, -0.30, 0.04)
 """Where the cup is sugared [m]; where the sugar waits, and goes after it, from there [m]."""
 
+AWAY = (0.0, -0.02, 0.05)
+"""Where the sugar's hand goes first, once it has let it fall [m]."""
+
 BACK, UP = (-0.10, 0.0, 0.0), (0.0, 0.0, 0.09)
 """From a place of the cup: before it, by the side of its handle, and above it [m]."""
 
@@ -95,7 +98,8 @@ def ways(placed: Placing, rng: np.random.Generator) -> tuple[Way, Way]:
 
     def somewhere(position: tuple[float, float, float], heading: float) -> Pose:
         turned = rotation.exp([0.0, 0.0, heading + 0.15 * rng.standard_normal()])
-        return Pose(turned, np.array(position) + SPREAD * rng.standard_normal(3))
+        found = near(Pose(turned, np.array(position)), "outside")
+        return Pose(found.rotation, found.position + SPREAD * rng.standard_normal(3))
 
     ready = somewhere(READY["cup"], HEADING)
     taken = near(dock @ _at(STANDS), "inside")

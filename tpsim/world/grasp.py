@@ -9,6 +9,7 @@ the controller's model does not know, it falls where it is let go, and it lies o
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -129,9 +130,8 @@ def read_grasps(model: mujoco.MjModel) -> dict[str, Grasp]:
         raise SimulationError(f"the scene's grasps cannot be read: {error}") from None
 
 
-def _read(model: mujoco.MjModel, thing: str, values: dict) -> Grasp:
-    read = {name: _tuples(value) for name, value in values.items()}
-    grasp = Grasp(**read)
+def _read(model: mujoco.MjModel, thing: str, values: dict[str, Any]) -> Grasp:
+    grasp = Grasp(**{name: _tuples(value) for name, value in values.items()})
     joint = int(model.body_jntadr[model.body(thing).id])
     if joint < 0 or model.jnt_type[joint] != mujoco.mjtJoint.mjJNT_FREE:
         raise SimulationError(f"'{thing}' is to be taken by '{grasp.site}' and has no free joint")
@@ -141,7 +141,7 @@ def _read(model: mujoco.MjModel, thing: str, values: dict) -> Grasp:
     return grasp
 
 
-def _tuples(value: object) -> object:
+def _tuples(value: Any) -> Any:
     return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 

@@ -16,6 +16,7 @@ from tpsim.film import overlay
 from tpsim.film.camera import lit, viewpoint
 from tpsim.film.clip import Clip
 from tpsim.robot.home import put
+from tpsim.world.grasp import put_object
 
 _INSET = 0.36
 """Side of the inset, as a share of the picture's height."""
@@ -69,7 +70,6 @@ class Painter:
         self._legend = overlay.Legend(clip, height) if clip.legend else None
         side = round(_INSET * height)
         self._near = mujoco.Renderer(model, side, side) if clip.close is not None else None
-        self._mocap = {name: model.body(name).mocapid[0] for name in clip.objects}
         put(model, self._data.qpos, clip.world.description.fixed)
 
     def __enter__(self) -> "Painter":
@@ -120,9 +120,7 @@ class Painter:
         clip, data = self._clip, self._data
         data.qpos[self._joints] = clip.q[sample]
         for name, poses in clip.objects.items():
-            data.mocap_pos[self._mocap[name]] = poses[sample, :3]
-            if poses.shape[1] == 7:
-                data.mocap_quat[self._mocap[name]] = poses[sample, 3:]
+            put_object(self._model, data, name, poses[sample])
         mujoco.mj_kinematics(self._model, data)
         mujoco.mj_comPos(self._model, data)
         mujoco.mj_camlight(self._model, data)

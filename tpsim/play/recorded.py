@@ -12,6 +12,7 @@ from tpsim.play.stage import Picture, Stage
 from tpsim.robot.home import put
 from tpsim.study.files.about import Performed, read_about
 from tpsim.study.files.run import Run
+from tpsim.world.grasp import put_object
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
 
@@ -38,8 +39,8 @@ class Scrubbed:
         data, model = self._data, self._model
         data.qpos[self._joints] = trial["q"][sample]
         for name, (positions, quaternions) in trial.objects.items():
-            row = model.body(name).mocapid[0]
-            data.mocap_pos[row], data.mocap_quat[row] = positions[sample], quaternions[sample]
+            pose = np.concatenate((positions[sample], quaternions[sample]))
+            put_object(model, data, name, pose)
         mujoco.mj_kinematics(model, data)
         pulls = []
         for person in trial.channels.people:

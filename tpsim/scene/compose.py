@@ -12,6 +12,7 @@ from tpsim.errors import SimulationError, one_line
 from tpsim.robot.robot import Robot
 from tpsim.scene.parts import camera as add_camera
 from tpsim.scene.parts import hold, light, place
+from tpsim.world.grasp import Grasp, write_grasps
 from tpsim.world.world import World
 
 PAINTS = ((0.10, 0.33, 0.40), (0.72, 0.42, 0.08), (0.24, 0.42, 0.20))
@@ -94,6 +95,7 @@ def world(
     *,
     objects: Mapping[str, str | Placed] | None = None,
     held: Mapping[str, Held] | None = None,
+    taken: Mapping[str, Grasp] | None = None,
     floor: float | None = None,
     cameras: Mapping[str, Camera] | None = None,
 ) -> World:
@@ -106,6 +108,8 @@ def world(
         Things in the world by name; the name of a model is enough for what situations move.
     held : mapping of str to Held, optional
         Things in the robot's hands by name. The name is also that of a site of the robot.
+    taken : mapping of str to Grasp, optional
+        Things that hands take and let go, by name.
     floor : float, optional
         Height of the floor [m]; the lowest point of the robot by default.
     cameras : mapping of str to Camera, optional
@@ -125,6 +129,7 @@ def world(
         shown["hero"] = Camera(tuple(away), tuple(centre))
     try:
         _furnish(spec, objects or {}, held or {}, shown)
+        _add_taken(spec, taken or {})
     except ValueError as error:
         reason = one_line(error)
         raise SimulationError(f"the scene cannot be put together: {reason}") from None
@@ -145,6 +150,13 @@ def _furnish(
         hold(spec, item.model, name, item.site, item.position, item.axes)
     for name, view in cameras.items():
         add_camera(spec, name, view.position, view.target, view.fovy)
+
+
+def _add_taken(spec: mujoco.MjSpec, taken: Mapping[str, Grasp]) -> None:
+    for name, grasp in taken.items():
+        place(spec, grasp.model, name, (0.0, 0.0, 0.0))
+    if taken:
+        write_grasps(spec, taken)
 
 
 def _bounds(robot: Robot) -> tuple[np.ndarray, float, float]:

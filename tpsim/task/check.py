@@ -51,7 +51,8 @@ def _at_home(task: Task) -> State:
     simulation = world.simulation()
     data = simulation.data
     objects = Objects(simulation.objects, data.mocap_pos.copy(), data.mocap_quat.copy())
-    return world.robot.at(world.robot.home, objects=objects)
+    simulation.begin()
+    return world.robot.at(world.robot.home, objects=simulation.see(objects))
 
 
 def _check_mapping(task: Task, what: str, found: object) -> None:

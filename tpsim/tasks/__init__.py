@@ -5,6 +5,7 @@ STUDIES = {
     "cup": "tpsim.tasks.cup_and_sugar.study:cup",
     "sugar": "tpsim.tasks.cup_and_sugar.study:sugar",
     "pointing": "tpsim.tasks.pointing.study:pointing",
+    "serve": "tpsim.tasks.serve.study:serve",
     "tracking": "tpsim.tasks.tracking.study:tracking",
     "tracking-left": "tpsim.tasks.tracking.study:left",
     "tracking-right": "tpsim.tasks.tracking.study:right",

@@ -125,7 +125,9 @@ class Episode:
         """Move the objects to where they are now; return what the robot senses."""
         simulation = self.simulation
         self.objects.act(self._step)
-        x, seen, time = simulation.x, self.objects.now, simulation.data.time
+        if self._step == 0:
+            simulation.begin()
+        x, seen, time = simulation.x, simulation.see(self.objects.now), simulation.data.time
         self.truth = State(simulation.robot, x, seen, time)
         if self._sensors is None and self._camera is None:
             return self.truth
@@ -138,6 +140,12 @@ class Episode:
     def unseen(self) -> tuple[str, ...]:
         """Objects that the robot did not see up to now."""
         return () if self._camera is None else self._camera.unseen
+
+    @property
+    def objects_seen(self) -> dict[str, int]:
+        """Row of each object and thing among those that a state knows of."""
+        simulation = self.simulation
+        return {name: k for k, name in enumerate((*simulation.objects, *simulation.grasps.things))}
 
     @property
     def diverged(self) -> bool:
@@ -166,7 +174,7 @@ class Episode:
     def advance(self, torque: np.ndarray) -> None:
         """Let one time step pass with joint torques (n,) [Nm] within the motors' limits."""
         self.simulation.step(torque)
-        if self.simulation.data.ncon:
+        if self.simulation.data.ncon and len(self.simulation.contacts):
             self.contacts += 1
             self.touched = self.touched or self.simulation.touching
         self._step += 1

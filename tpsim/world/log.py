@@ -91,7 +91,7 @@ class Log:
         return Channels(
             tuple(self._sites),
             tuple(hands) if self._commanded else (),
-            tuple(self._episode.simulation.objects),
+            tuple(self._episode.objects_seen),
             tuple(people),
         )
 
@@ -118,7 +118,7 @@ class Log:
             turned = rotation.to_quaternion(np.array([pose.rotation for pose in poses]))
             signals[f"{name}_position"] = np.array([pose.position for pose in poses])
             signals[f"{name}_quaternion"] = rotation.continuous(turned)
-        for name, row in self._episode.simulation.objects.items():
+        for name, row in self._episode.objects_seen.items():
             signals[f"{name}_position"] = np.array([s.objects.positions[row] for s in states])
             signals[f"{name}_quaternion"] = np.array([s.objects.quaternions[row] for s in states])
         return signals

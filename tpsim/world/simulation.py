@@ -7,7 +7,9 @@ from tpsim.checks import shown
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.robot.home import put
 from tpsim.robot.indices import as_slice
+from tpsim.robot.objects import Objects
 from tpsim.robot.robot import Robot
+from tpsim.world.grasp import Grasps
 
 
 class Simulation:
@@ -26,6 +28,8 @@ class Simulation:
     robot : Robot
     objects : dict of str to int
         Row of each object (mocap body) in ``data.mocap_pos``.
+    grasps : Grasps
+        Things that hands take and let go.
     timestep : float
         [s]
     """
@@ -47,11 +51,14 @@ class Simulation:
         self._dof, self._ctrl = dof, data.ctrl
         self._wrenches, self._centres = data.xfrc_applied, data.xipos
         self.timestep = float(model.opt.timestep)
+        self.grasps = Grasps(model)
+        self._holds = bool(self.grasps)
 
     def copy(self) -> "Simulation":
         """Another simulation in the same state."""
         other = Simulation(self.model, self.robot)
         mujoco.mj_copyData(other.data, self.model, self.data)
+        other.grasps.copy_from(self.grasps)
         return other
 
     def reset(self, q: np.ndarray) -> None:
@@ -116,11 +123,29 @@ class Simulation:
         position = self.model.site_pos[site].copy()
         return int(self.model.site_bodyid[site]), R.reshape(3, 3), position
 
+    def begin(self) -> None:
+        """Put things that hands take on their stands, once the objects are at their places."""
+        if self._holds:
+            self.grasps.begin(self.data)
+            mujoco.mj_forward(self.model, self.data)
+
+    def see(self, objects: Objects) -> Objects:
+        """Objects, and the things that hands take where they are now."""
+        return self.grasps.see(objects, self.data) if self._holds else objects
+
+    @property
+    def contacts(self) -> np.ndarray:
+        """Geoms (c, 2) that touch now; what lies on something or is held is not among them."""
+        touching: np.ndarray = self.data.contact.geom
+        if self._holds and len(touching):
+            return touching[~self.grasps.geoms[touching].any(axis=1)]
+        return touching
+
     @property
     def touching(self) -> str:
         """Two bodies that touch now, such as ``"upper_arm and table"``."""
-        (contact, *_), model = self.data.contact, self.model
-        return " and ".join(model.body(model.geom_bodyid[g]).name for g in contact.geom)
+        (geoms, *_), model = self.contacts, self.model
+        return " and ".join(model.body(model.geom_bodyid[g]).name for g in geoms)
 
     def clear_wrenches(self) -> None:
         """Take away all wrenches from outside."""
@@ -141,3 +166,5 @@ class Simulation:
         """Advance one time step with joint torques (n,) [Nm]."""
         self._ctrl[self._actuator] = torque
         mujoco.mj_step(self.model, self.data)
+        if self._holds:
+            self.grasps.act(self.data)

@@ -11,6 +11,7 @@ from tpsim.border import border, checked
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.robot.description import Description
 from tpsim.robot.robot import Robot
+from tpsim.world.grasp import read_grasps
 from tpsim.world.plant import NOMINAL, Plant
 from tpsim.world.simulation import Simulation
 
@@ -115,12 +116,13 @@ class World:
 
     @property
     def objects(self) -> tuple[str, ...]:
-        """Names of the objects that can be moved (mocap bodies)."""
-        return tuple(
+        """Names of the objects that can be moved (mocap bodies), and of things that hands take."""
+        moved = tuple(
             self.model.body(body).name
             for body in range(self.model.nbody)
             if self.model.body_mocapid[body] >= 0
         )
+        return moved + tuple(read_grasps(self.model))
 
     @border
     def simulation(self, plant: Plant = NOMINAL) -> Simulation:

@@ -161,7 +161,6 @@ class Serve(Task):
             Skill(VIEWS, models["serve"]),
             effort=self.effort,
             until=MOVEMENT,
-            timestep=world.timestep,
         )
 
     def goals(self) -> dict[str, Goal]:

@@ -1,16 +1,15 @@
 """What is measured of pointing: angles to the objects, final posture, recovery from jumps."""
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
 
 from tpsim.study import health
 from tpsim.study.measure import Measure
-from tpsim.study.record import Record, Records
+from tpsim.study.metrics import push_interval
+from tpsim.study.record import Record
 from tpsim.task.task import Task
-from tpsim.tasks.pointing.pointers import OBJECTS
 from tpsim.tasks.pointing.task import FLAT, Pointing
 from tpsim.tasks.pointing.teacher import PHASES
 
@@ -24,20 +23,19 @@ def angle(record: Record, name: str) -> np.ndarray:
     return np.degrees(np.linalg.norm(record.see(bearing), axis=1))
 
 
-def phase_angle(record: Record, name: str) -> float:
-    """Angle [deg] to an object, mean of the last third of the phase in which it is pointed at."""
-    start, end = PHASES[name]
-    time = record.trial.time
-    last = (time >= end - (end - start) / 3) & (time < end)
-    return float(angle(record, name)[last].mean()) if last.any() else np.inf
+def pointing_angle(record: Record) -> float | None:
+    """Largest angle [deg] to an object in the phase in which it is pointed at.
 
-
-def phase_angles(
-    records: Records, labels: Sequence[str], across: Callable[[Sequence[float]], float]
-) -> float | None:
-    """Figure of all phases of all trials of some labels [deg]."""
-    found = [phase_angle(record, name) for record in records.select(labels) for name in OBJECTS]
-    return float(across(found)) if found else None
+    Where somebody pushes, only while they do; None where nobody pushes in a phase.
+    """
+    time, push, found = record.trial.time, push_interval(record.trial), []
+    for name, (start, end) in PHASES.items():
+        counts = (time >= start) & (time < end)
+        if push is not None:
+            counts &= (time >= push[0]) & (time <= push[1])
+        if counts.any():
+            found.append(float(angle(record, name)[counts].max()))
+    return max(found) if found else np.inf if record.trial.outcome == "diverged" else None
 
 
 def farthest_joint(record: Record) -> float | None:
@@ -69,23 +67,29 @@ def recovery(record: Record) -> float:
 
 
 _ANGLES = {
-    "angle": (("unpushed", "moving"), 1.5, "Angle error, objects at rest or moving"),
-    "angle_moving": (("moving",), 1.5, "The same, moving objects only"),
-    "angle_pushed": (("pushed", "moving pushed"), 4.0, "Angle error while pushed"),
-    "angle_moving_pushed": (("moving pushed",), 4.0, "The same, moving objects only"),
+    "angle": (("unpushed", "moving"), 3.0, "Angle while pointing, objects at rest or moving"),
+    "angle_moving": (("moving",), 3.0, "The same, moving objects only"),
+    "angle_pushed": (("pushed", "moving pushed"), 5.0, "Angle while pointing and pushed"),
+    "angle_moving_pushed": (("moving pushed",), 5.0, "The same, moving objects only"),
 }
+"""Which trials count, the most allowed [deg], and a title, by the measure's name."""
 
 
 def _angle_measures() -> list[Measure]:
     found = []
     for name, (labels, limit, title) in _ANGLES.items():
-        worst = partial(phase_angles, labels=labels, across=max)
-        median = partial(phase_angles, labels=labels, across=np.median)
+        largest = Measure(
+            f"{name}_deg",
+            of=pointing_angle,
+            unit="deg",
+            label=labels,
+            limit=limit,
+            title=f"{title}, largest",
+        )
+        median = f"{title}, median of the trials' largest"
         found += [
-            Measure(
-                f"{name}_deg", whole=worst, unit="deg", limit=limit, title=f"{title}, worst phase"
-            ),
-            Measure(f"{name}_median_deg", whole=median, unit="deg", title=f"{title}, median"),
+            largest,
+            replace(largest, name=f"{name}_median_deg", across=np.median, limit=None, title=median),
         ]
     return found
 

@@ -89,9 +89,26 @@ def hands_site(thing: str) -> str:
 
 
 def write_grasps(spec: mujoco.MjSpec, grasps: Mapping[str, Grasp]) -> None:
-    """Add to a scene what is needed to take the things that are in it already."""
+    """Add to a scene what is needed to take the things that are in it already.
+
+    Raises
+    ------
+    SimulationError
+        If the scene has no such hand, stand or target.
+    """
     for thing, grasp in grasps.items():
         hand = spec.site(grasp.site)
+        if hand is None:
+            known = ", ".join(site.name for site in spec.sites)
+            raise SimulationError(
+                f"'{thing}' is to be taken by site '{grasp.site}'; the scene has {known}"
+            )
+        for part, name in (("stand", grasp.stand), ("target", grasp.target)):
+            if spec.body(name) is None:
+                known = ", ".join(body.name for body in spec.bodies[1:])
+                raise SimulationError(
+                    f"{part} of '{thing}' is '{name}'; the scene has {known}: give an object of it"
+                )
         R, p = grasp.in_hand
         turned = np.empty(4)
         mujoco.mju_mat2Quat(turned, R.ravel())

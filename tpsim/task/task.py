@@ -219,7 +219,7 @@ def draw_situation(
         except SimulationError as error:
             why = str(error)
             continue
-        if len(simulation.contacts):
+        if simulation.touches:
             why = f"{simulation.touching} touch"
         elif not world.robot.is_comfortable(start):
             why = "a joint is near its limit, or gravity takes most of a motor's torque"

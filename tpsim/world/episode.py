@@ -174,7 +174,7 @@ class Episode:
     def advance(self, torque: np.ndarray) -> None:
         """Let one time step pass with joint torques (n,) [Nm] within the motors' limits."""
         self.simulation.step(torque)
-        if self.simulation.data.ncon and len(self.simulation.contacts):
+        if self.simulation.touches:
             self.contacts += 1
             self.touched = self.touched or self.simulation.touching
         self._step += 1

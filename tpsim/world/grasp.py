@@ -89,9 +89,26 @@ def hands_site(thing: str) -> str:
 
 
 def write_grasps(spec: mujoco.MjSpec, grasps: Mapping[str, Grasp]) -> None:
-    """Add to a scene what is needed to take the things that are in it already."""
+    """Add to a scene what is needed to take the things that are in it already.
+
+    Raises
+    ------
+    SimulationError
+        If the scene has no such hand, stand or target.
+    """
     for thing, grasp in grasps.items():
         hand = spec.site(grasp.site)
+        if hand is None:
+            known = ", ".join(site.name for site in spec.sites)
+            raise SimulationError(
+                f"'{thing}' is to be taken by site '{grasp.site}'; the scene has {known}"
+            )
+        for part, name in (("stand", grasp.stand), ("target", grasp.target)):
+            if spec.body(name) is None:
+                known = ", ".join(body.name for body in spec.bodies[1:])
+                raise SimulationError(
+                    f"{part} of '{thing}' is '{name}'; the scene has {known}: give an object of it"
+                )
         R, p = grasp.in_hand
         turned = np.empty(4)
         mujoco.mju_mat2Quat(turned, R.ravel())
@@ -168,6 +185,8 @@ class Grasps:
         bodies = [model.body(name).id for name in self.things]
         self.geoms = np.isin(model.geom_bodyid, bodies)
         self._hands = [_Hand(model, name, grasp) for name, grasp in self._grasps.items()]
+        self._poses = np.array([np.arange(k, k + 7) for k in self.things.values()], int)
+        self._rows: dict[str, int] = {}
         self._every = max(1, round(PERIOD / model.opt.timestep))
         self._left = self._every
 
@@ -189,14 +208,15 @@ class Grasps:
 
     def see(self, objects: Objects, data: mujoco.MjData) -> Objects:
         """Objects with the things where they are now, taken as resting."""
-        poses = np.array([data.qpos[k : k + 7] for k in self.things.values()])
-        rows = {name: row for row, name in enumerate((*objects, *self.things))}
+        poses = data.qpos[self._poses]
+        if len(self._rows) != len(objects) + len(poses):
+            self._rows = {name: row for row, name in enumerate((*objects, *self.things))}
         positions = np.concatenate((objects.positions, poses[:, :3]))
         quaternions = np.concatenate((objects.quaternions, poses[:, 3:]))
         twists = objects.twists
         if twists is not None:
             twists = np.concatenate((twists, np.zeros((len(poses), 6))))
-        return Objects(rows, positions, quaternions, twists)
+        return Objects(self._rows, positions, quaternions, twists)
 
     def act(self, data: mujoco.MjData) -> None:
         """After a time step: close and open hands where it is time to."""

@@ -11,6 +11,9 @@ from tpsim.robot.objects import Objects
 from tpsim.robot.robot import Robot
 from tpsim.world.grasp import Grasps
 
+LOOKS = 10
+"""Time steps between two looks at contacts whose number stays."""
+
 
 class Simulation:
     """One scene that is stepped.
@@ -53,12 +56,14 @@ class Simulation:
         self.timestep = float(model.opt.timestep)
         self.grasps = Grasps(model)
         self._holds = bool(self.grasps)
+        self._looks, self._count, self._touch = 0, 0, False
 
     def copy(self) -> "Simulation":
         """Another simulation in the same state."""
         other = Simulation(self.model, self.robot)
         mujoco.mj_copyData(other.data, self.model, self.data)
         other.grasps.copy_from(self.grasps)
+        other._looks, other._count, other._touch = self._looks, self._count, self._touch
         return other
 
     def reset(self, q: np.ndarray) -> None:
@@ -79,6 +84,7 @@ class Simulation:
             names = [robot.joints[i] for i in np.flatnonzero(outside)]
             raise SimulationError(f"the start posture q is outside the limits of {names}")
         mujoco.mj_resetData(self.model, self.data)
+        self._looks, self._count, self._touch = 0, 0, False
         put(self.model, self.data.qpos, robot.description.fixed)
         for actuator, control in robot.description.controls.items():
             self.data.ctrl[self.model.actuator(actuator).id] = control
@@ -140,6 +146,18 @@ class Simulation:
         if self._holds and len(touching):
             return touching[~self.grasps.geoms[touching].any(axis=1)]
         return touching
+
+    @property
+    def touches(self) -> bool:
+        """Whether something touches, beside what lies on something or is held."""
+        count = self.data.ncon
+        if not count or not self._holds:
+            return bool(count)
+        # Other contacts come and go with their number; one that takes another's place is seen soon.
+        self._looks = self._looks % LOOKS + 1
+        if count != self._count or self._looks == LOOKS:
+            self._count, self._touch = count, bool(len(self.contacts))
+        return self._touch
 
     @property
     def touching(self) -> str:

@@ -46,9 +46,9 @@ def records(lab):
 def test_best_median_and_worst_are_by_their_limits(lab, records):
     shown = clips.best_median_worst(lab, records)
     assert list(shown) == [
-        "best: pushed, situation 1; push 0.5 N",
-        "median: pushed, situation 0; push 5 N",
-        "worst: pushed, situation 2; push 20 N",
+        "best: pushed, situation 1; at 4 % of its nearest limit",
+        "median: pushed, situation 0; at 42 % of its nearest limit",
+        "worst: pushed, situation 2; at 167 % of its nearest limit",
     ]
     np.testing.assert_array_equal(list(shown.values())[2].q, records[2]["q"])
 

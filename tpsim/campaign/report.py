@@ -9,10 +9,13 @@ import numpy as np
 
 from tpsim.campaign.figures import DISTURBED, measures_of
 from tpsim.campaign.folder import Folder
+from tpsim.campaign.performing import Bench
 from tpsim.campaign.pictures import compliance, force_displacement
 from tpsim.campaign.rows import Rows, figures_of
 from tpsim.campaign.statistics import Cluster, clusters, explained, mean, paired, share
 from tpsim.campaign.table import FAILED, write_rows
+from tpsim.study.clips import clip_of
+from tpsim.study.embedded import embedded
 from tpsim.study.latex import tabular
 from tpsim.study.measure import Measure
 from tpsim.study.recording import Answer
@@ -108,6 +111,7 @@ def write(folder: Folder, study: Study, table: "pyarrow.Table") -> Answer:
             command=folder.file.command,
             sections=sections,
             no_film="Films are made of single trials: tpsim replay FOLDER --trial N.",
+            in_3d=_in_3d(folder, study, rows, measures),
             about={
                 "trials": len(table),
                 "failed": len(table) - len(rows),
@@ -257,6 +261,17 @@ def _extremes(folder: Folder, rows: Rows, measures: Sequence[Measure]) -> list[S
         row |= {column: _plain(rows[column][k]) for column in (*shown, *figures)}
         table.append(row)
     return [Section("Worst, median, best", text, table=table)]
+
+
+def _in_3d(folder: Folder, study: Study, rows: Rows, measures: Sequence[Measure]) -> str:
+    """The same trials, performed again."""
+    chosen = extremes(rows, measures)[1] if len(rows) else {}
+    bench = Bench(folder, study, same=False)
+    shown = {
+        f"{said}: trial {number}": clip_of(bench.lab(number), bench.trial(number), said)
+        for said, number in chosen.items()
+    }
+    return embedded(shown)
 
 
 def _plain(value: object) -> object:

@@ -13,6 +13,9 @@ from tpsim.world.impedance import Impedance, hand_stiffness
 SAMPLES = 100
 """Points of a curve."""
 
+FONT, HEIGHT = "10px sans-serif", 110
+"""Of numbers at axes, and of a plot [pixel]."""
+
 
 class Curves:
     """What is noted of a session ten times a second, and drawn beside its scene.
@@ -54,9 +57,14 @@ class Curves:
             empty,
             (uplot.Series(label="s"), *lines),
             title=title,
-            scales={"x": uplot.Scale(time=False, auto=True)},
-            legend=uplot.Legend(show=len(names) > 1),
-            height=95,
+            scales={
+                "x": uplot.Scale(time=False, auto=True),
+                "y": uplot.Scale(range=(0.0, None)),
+            },
+            axes=(uplot.Axis(font=FONT, size=24), uplot.Axis(font=FONT, size=38, space=22)),
+            legend=uplot.Legend(show=len(names) > 1, live=False),
+            height=HEIGHT,
+            padding=(8, 8, 0, 0),
         )
 
     def note(self) -> None:

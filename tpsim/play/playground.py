@@ -14,6 +14,7 @@ from tpsim.play.server import Address, open_server, warn
 from tpsim.play.session import Session
 from tpsim.play.shelf import Shelf
 from tpsim.study.files.run import load_run
+from tpsim.study.recording import say
 from tpsim.study.study import Study
 from tpsim.study.teaching import Source, demonstrations_of
 from tpsim.task.verbs import Taught
@@ -58,6 +59,7 @@ def playground(
         from tpsim.play.page import Page  # needs viser, of which open_server says if it is missing
 
         given = _given(study, source)
+        say(f"learning {study.task.name}" if given else "nothing was taught yet")
         lessons = Lessons(study, given, apart=apart)
         stack.callback(lessons.close)
         learned = lessons.learn(study.task) if given else None

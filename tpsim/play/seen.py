@@ -25,6 +25,9 @@ MOMENTS = 60
 POINTS = 120
 """Points of a line, at most."""
 
+DASHES = ("solid", "dash", "dot")
+"""One for each behaviour."""
+
 CIRCLE = np.linspace(0, 2 * np.pi, 41)
 
 
@@ -68,15 +71,20 @@ def _active(model: TPGMM, seen: Demonstration) -> np.ndarray:
 def plot_matters(curves: Mapping[str, np.ndarray]) -> "Figure":
     """How much each frame matters, from the beginning to the end of the movement."""
     figure = _figure("share of the movement", "how much it matters")
+    behaviours = list(dict.fromkeys(name.partition(":")[0] for name in curves))
     for k, (name, curve) in enumerate(curves.items()):
+        dash = DASHES[behaviours.index(name.partition(":")[0]) % len(DASHES)]
         figure.add_scatter(
             x=np.linspace(0, 1, len(curve)).round(3),
             y=curve.round(4),
             name=name,
-            line={"color": PALETTE[k % len(PALETTE)], "width": 2},
+            line={"color": PALETTE[k % len(PALETTE)], "width": 2, "dash": dash},
         )
     figure.update_yaxes(range=[-0.03, 1.03])
-    figure.update_layout(showlegend=True, legend={"orientation": "h", "y": -0.35, "x": 0})
+    figure.update_layout(
+        showlegend=True, legend={"yref": "container", "y": 0.0, "yanchor": "bottom", "x": 0.0}
+    )
+    figure.update_layout(margin_b=36 + 17 * len(curves))
     return figure
 
 
@@ -86,7 +94,9 @@ def plot_seen(
     labels: Sequence[str],
     learned: Gaussian | None = None,
 ) -> "Figure":
-    """What one frame saw, in the two dimensions that vary most; ellipses of one deviation.
+    """What one frame saw, in the two dimensions that vary most of those in its first unit.
+
+    Ellipses are the components, of one deviation.
 
     Parameters
     ----------
@@ -104,8 +114,10 @@ def plot_seen(
         for each, path in zip(seen, paths, strict=True):
             _line(figure, each.time, path[:, 0])
         return figure
-    widest = np.argsort(-np.concatenate(paths).std(axis=0))[:2]
-    a, b = np.sort(widest).tolist()
+    same = [k for k, label in enumerate(labels) if _unit(label) == _unit(labels[0])]
+    spread = np.concatenate(paths).std(axis=0)
+    by_spread = sorted(range(len(labels)), key=lambda k: (k not in same, -spread[k]))
+    a, b = sorted(by_spread[:2])
     figure = _figure(labels[a], labels[b])
     for path in paths:
         _line(figure, path[:, a], path[:, b])
@@ -123,6 +135,10 @@ def plot_seen(
                 line={"color": PALETTE[k % len(PALETTE)], "width": 1},
             )
     return figure
+
+
+def _unit(label: str) -> str:
+    return label.rpartition("[")[2]
 
 
 def _line(figure: "Figure", x: np.ndarray, y: np.ndarray) -> None:

@@ -98,9 +98,8 @@ def best_median_worst(lab: Lab, records: Records) -> dict[str, Clip]:
     measures, judged = lab.study.all_measures, []
     for record in learned:
         label = record.condition.label
-        share, words = _strain(record, [m for m in measures if concerns(m, label)])
-        diverged = record.trial.outcome == "diverged"
-        judged.append((np.inf, "diverged", record) if diverged else (share, words, record))
+        share, _ = _strain(record, [m for m in measures if concerns(m, label)])
+        judged.append((np.inf if record.trial.outcome == "diverged" else share, record))
     judged.sort(key=lambda each: each[0])
     if not judged:
         return {}
@@ -110,12 +109,14 @@ def best_median_worst(lab: Lab, records: Records) -> dict[str, Clip]:
         places = {"best": 0, "median": (len(judged) - 1) // 2, "worst": len(judged) - 1}
     found, taken = {}, set()
     for name, place in places.items():
-        _, words, record = judged[place]
+        share, record = judged[place]
         if place in taken:
             continue
         taken.add(place)
-        about = f"{record.condition.label}, situation {record.condition.situation.index}"
-        found[f"{name}: {about}" + (f"; {words}" if words else "")] = clip_of(
-            lab, record.trial, name
-        )
+        about = f"{name}: {record.condition.label}, situation {record.condition.situation.index}"
+        if np.isinf(share):
+            about += "; diverged"
+        elif share >= 0:
+            about += f"; at {100 * share:.0f} % of its nearest limit"
+        found[about] = clip_of(lab, record.trial, name)
     return found

@@ -1,5 +1,7 @@
 """A small plot in a panel: what a frame saw of the demonstrations."""
 
+import threading
+
 import viser
 
 from tpsim.play.seen import Seen, plot_seen
@@ -34,6 +36,7 @@ class FramePlot:
         )
         self._chosen.on_update(lambda _: self._draw())
         self._folder = gui.add_folder(None)
+        self._lock = threading.Lock()
         self._plot: viser.GuiPlotlyHandle | None = None
         self._seen: Seen = {}
         self._models: Models | None = None
@@ -48,6 +51,11 @@ class FramePlot:
         self._draw()
 
     def _draw(self) -> None:
+        # Another choice is told in a thread of its own.
+        with self._lock:
+            self._draw_chosen()
+
+    def _draw_chosen(self) -> None:
         name, k = self._names[self._chosen.value]
         seen = self._seen.get(name)
         if not seen:

@@ -8,7 +8,7 @@ import viser
 from tpsim.film.marks import Ellipsoid, Ellipsoids
 from tpsim.play.learned import ellipsoids
 from tpsim.play.lessons import Learned
-from tpsim.play.panels.frames import ASPECT, CONFIG, FramePlot
+from tpsim.play.panels.frames import CONFIG, FramePlot
 from tpsim.play.seen import matters, plot_matters
 from tpsim.plot.style import PALETTE
 
@@ -41,6 +41,9 @@ class LearningPanel:
         self._said = gui.add_markdown("")
         self._shapes = gui.add_checkbox("Show ellipsoids in the scene", False)
         self._shapes.on_update(page.guarded(self._draw))
+        # Plotly is 5 MB for every browser: not before somebody wants it.
+        self._plots = gui.add_checkbox("Plot what was learned", False)
+        self._plots.on_update(page.guarded(self._plot))
         self._over_time = gui.add_folder("Which frames matter over time", visible=False)
         self._curves: viser.GuiPlotlyHandle | None = None
         self._frame_plot = FramePlot(gui, task)
@@ -76,15 +79,23 @@ class LearningPanel:
             words = "" if likelihood is None else f", log-likelihood {likelihood:.1f}"
             rows.append(f"**{name}** from {count} demonstrations ({whose}){words}")
         self._said.content = "  \n".join(rows)
-        curves = plot_matters(matters(self._page.session.task, learned.models, learned.seen))
+        self._plot()
+        self._draw()
+
+    def _plot(self) -> None:
+        """When frames matter, and what they saw."""
+        learned, wanted = self._learned, bool(self._plots.value)
+        self._over_time.visible = wanted
+        if learned is None or not wanted:
+            self._frame_plot.show({})
+            return
+        task, gui = self._page.session.task, self._page.server.gui
+        curves = plot_matters(matters(task, learned.models, learned.seen))
         if self._curves is None:
             with self._over_time:
-                self._curves = self._page.server.gui.add_plotly(
-                    curves, config=CONFIG, aspect=ASPECT
-                )
-        self._curves.figure, self._over_time.visible = curves, True
+                self._curves = gui.add_plotly(curves, config=CONFIG, aspect=1.0)
+        self._curves.figure = curves
         self._frame_plot.show(learned.seen, learned.models)
-        self._draw()
 
     def _learn(self) -> None:
         page, session = self._page, self._page.session
@@ -103,3 +114,6 @@ class LearningPanel:
         with session.lock:
             session.set_models(learned.models)
         self.show(learned)
+        if not self._plots.value:
+            # Its callback plots.
+            self._plots.value = True  # type: ignore[misc]  # mypy loses the setter of a generic base

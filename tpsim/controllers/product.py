@@ -1,15 +1,17 @@
 """The product of all frames of all learned behaviours (Eq. 6), laid over the views they observe."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from tpsim.border import checked
-from tpsim.errors import ArgumentError
-from tpsim.gaussian import Gaussian
+from tpsim.errors import ArgumentError, UnseenError
+from tpsim.gaussian import Gaussian, faded
 from tpsim.learning.gmm import log_priors
 from tpsim.learning.tp_gmm import TPGMM
+from tpsim.robot.objects import Objects
 from tpsim.robot.state import State
 from tpsim.robot.views.view import View
 
@@ -64,10 +66,36 @@ class Stack:
         }
 
     def see(self, state: State, y: np.ndarray, J: np.ndarray) -> None:
-        """Write values into y (size,) and Jacobians into J (size, n)."""
+        """Write values into y (size,) and Jacobians into J (size, n).
+
+        Views of objects that were not seen yet stay zero: through them nothing acts.
+        """
         for view, rows in zip(self.views, self.rows, strict=True):
-            seen = view(state)
+            try:
+                seen = view(state)
+            except UnseenError:
+                continue
             y[rows], J[rows] = seen.value, seen.jacobian
+
+    def unsure(self, state: State) -> np.ndarray:
+        """Covariance (size, size) of the views, from that of the objects that they look from or at.
+
+        A view drifts at a unit velocity of an object as it changes with its pose.
+        """
+        objects, count = state.objects, len(state.objects.positions)
+        found = np.zeros((self.size, self.size))
+        assert objects.covariances is not None
+        for name in objects:
+            lever = np.zeros((self.size, 6))
+            for k in range(6):
+                twists = np.zeros((count, 6))
+                twists[objects.row(name), k] = 1.0
+                moving = State(state.robot, state.x, objects.moving(twists), state.time)
+                for view, rows in zip(self.views, self.rows, strict=True):
+                    with suppress(UnseenError):
+                        lever[rows, k] = view(moving).drift
+            found += lever @ objects.covariances[objects.row(name)] @ lever.T
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +122,9 @@ class Information:
 class Product:
     """All frames of all skills as one precision over their stacked views.
 
-    Precisions of several frames, and of several skills that were learned apart, add up.
+    Precisions of several frames, and of several skills that were learned apart, add up. Where
+    objects are known up to a covariance only, that of the views which it makes is added to the
+    learned one before: precision fades.
 
     Parameters
     ----------
@@ -119,6 +149,7 @@ class Product:
                 self._free_starts.append(sum(map(len, roots)))
                 roots.append(root)
         self._free = np.concatenate(roots)
+        self._looked: tuple[Objects, np.ndarray] | None = None
         # With one component each, nothing depends on the state.
         self._fixed = None
         if all(expert.components == 1 for expert in self._experts):
@@ -153,6 +184,12 @@ class Product:
         y, J = np.zeros(size), np.zeros((size, state.robot.n))
         self.stack.see(state, y, J)
         W, Wmu = self._fixed or self._mix(y)
+        if state.objects.covariances is not None:
+            if self._looked is None or self._looked[0] is not state.objects:
+                self._looked = state.objects, self.stack.unsure(state)
+            left = faded(W, self._looked[1])
+            W, Wmu = left @ W, left @ Wmu
+            W = 0.5 * (W + W.T)
         return Information(y, J, W, Wmu)
 
 

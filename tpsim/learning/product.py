@@ -50,8 +50,8 @@ def product_of_frames(
         precision = weighted @ inverse[..., None, :, :]
         target = mean + np.matmul(inverse, (b - origin)[..., None]).mT
         information = weighted @ target[..., None]
-        for k, j in enumerate(group):
-            if uncertainty is not None and (unsure := uncertainty[j]) is not None:
+        for k, unsure in enumerate(uncertainty[j] for j in group) if uncertainty else ():
+            if unsure is not None:
                 left = faded(precision[k], unsure)
                 precision[k], information[k] = symmetric(left @ precision[k]), left @ information[k]
         precisions.append(precision.sum(0))

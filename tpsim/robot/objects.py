@@ -89,6 +89,10 @@ class Objects(Mapping[str, Moving]):
             other._moving[name] = Moving(R, p, twists[row, :3], twists[row, 3:])
         return other
 
+    def row(self, name: str) -> int:
+        """Row of an object in the arrays."""
+        return self._rows[name]
+
     def covariance(self, name: str) -> np.ndarray | None:
         """Covariance (6, 6) of the pose of an object; None where it is exactly known."""
         return None if self.covariances is None else self.covariances[self._rows[name]]

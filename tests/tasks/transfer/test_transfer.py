@@ -15,8 +15,12 @@ from tpsim.tasks.transfer import docks
 from tpsim.tasks.transfer.study import MEASURES, path_rms, study
 from tpsim.tasks.transfer.task import Transfer
 from tpsim.world.object_path import ObjectPath
+from tpsim.world.perception import Perception
+from tpsim.world.plant import Plant
 
 TAUGHT = 6
+
+LABELS = {"unpushed", "taught", "moved", "far", "seen", "hidden", "pushed"}
 
 JUMP, AWAY = np.array([0.03, 0.08, 0.06]), np.array([0.5, 0.0, 0.1])
 
@@ -80,11 +84,20 @@ def test_each_dock_is_precise_where_the_hand_is_in_it(lab):
 def test_unseen_docks_near_and_far_moved_and_a_pushed_arm(lab):
     (conditions,) = lab.study.conditions(lab, Plan(seed=7, situations=1, pushes=1))
     pairs = [(c, perform_condition(lab.study, lab.models, c)) for c in conditions]
-    assert {c.label for c, _ in pairs} == {"unpushed", "taught", "moved", "far", "pushed"}
+    assert {c.label for c, _ in pairs} == LABELS
     figures, records = measured(lab, pairs)
-    for name in ("end", "end_pushed", "end_moved", "end_far"):
+    for name in ("end", "end_pushed", "end_moved", "end_far", "end_seen", "end_hidden"):
         assert figures[f"{name}_mm"] < 5.0
         assert figures[f"{name}_deg"] < 3.0
+    assert figures["seen_ratio"] < 3.0  # one situation; the mean of many is in the docs
+    assert figures["unseen"] == 0
+    (hidden,) = records.select("hidden")
+    # While the second dock is hidden, the arm is softer about it.
+    stiffness = [
+        np.trace(one["left_hand_stiffness"], axis1=1, axis2=2)[435]
+        for one in (hidden, *records.select("unpushed"))
+    ]
+    assert stiffness[0] < 0.9 * stiffness[1]
     assert figures["path_rms_mm"] < 30.0
     assert figures["path_pushed_rms_mm"] < 30.0
     assert not any(figures[name] for name in ("saturated_steps", "diverged", "contacts"))
@@ -114,6 +127,21 @@ def test_a_dock_out_of_reach_is_said_and_the_arm_stays_bounded(lab):
     assert trial["beyond_limits"].any() or trial["saturated_steps"][-1]
     assert np.abs(trial["dq"]).max() < 10.0
     assert all(np.isfinite(array).all() for array in trial.arrays.values())
+
+
+def test_a_dock_that_never_appears_is_said_and_the_arm_stays_bounded(lab):
+    situation = draw_situation(lab.task, 8, 0)
+    for hidden in (["end"], ["start", "end"]):
+        camera = Perception(occluded=tuple((name, -10.0, 100.0) for name in hidden))
+        trial = perform(
+            lab.task, lab.models, situation, plant=Plant(perception=camera), duration=3.0
+        )
+        assert trial.outcome == f"unseen: {', '.join(hidden)}"
+        assert np.abs(trial["dq"]).max() < 3.0
+        assert not trial["saturated_steps"][-1]
+    # Without any dock to go by, the hand holds still.
+    moved = trial["left_hand_position"] - trial["left_hand_position"][0]
+    assert np.abs(moved).max() < 1e-3
 
 
 def test_the_teacher_shows_the_same_way_again(lab):

@@ -13,11 +13,14 @@ from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
 from tpsim.learning.fit import Options, Start, Views, fit, seen_by_frames
+from tpsim.learning.fit_on import fit_on
 from tpsim.learning.free_movement import Relevance
 from tpsim.learning.gmm import GMM, checked_priors, log_priors, log_sum, posterior
 from tpsim.learning.moments import Memory
 from tpsim.learning.product import product_of_frames, product_with_ridge
+from tpsim.learning.product_on import product_on
 from tpsim.learning.subspace import FULL, Structure
+from tpsim.manifold.manifold import Manifold
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +90,10 @@ class TPGMM(Stored):
         """Local dimension d_j of every frame."""
         return tuple(frame.dim for frame in self.frames)
 
+    @cached_property
+    def _on_manifolds(self) -> bool:
+        return any(type(frame) is not Gaussian for frame in self.frames)
+
     @property
     def precisions(self) -> tuple[np.ndarray, ...]:
         """Precision (K, d_j, d_j) that every frame brings to control: of what matters in it.
@@ -119,7 +126,8 @@ class TPGMM(Stored):
         Parameters
         ----------
         frames : sequence of P Frame or None
-            None where a frame is not observed. Moving frames have leading axes (T,).
+            None where a frame is not observed. Moving frames have leading axes (T,). On manifolds
+            rigid motions, see :meth:`Manifold.frame`.
         ridge : float, optional
             Add rho I to every A Sigma A' before inversion instead, as the tutorial's own code
             does (1e-4); every frame then claims to know every direction.
@@ -137,6 +145,8 @@ class TPGMM(Stored):
             Frames of wrong number or shape, all of them None, or a direction that no frame
             determines; the message names it.
         """
+        if self._on_manifolds:
+            return GMM.trusted(self.priors, product_on(self.frames, frames, ridge, prior))
         frames = self._checked_frames(frames, prior)
         if ridge is not None:
             gaussians = product_with_ridge(self.frames, frames, ridge, prior)
@@ -147,10 +157,11 @@ class TPGMM(Stored):
     def log_joint(self, observations: object) -> np.ndarray:
         """Log of prior times densities in all frames for every component, (N, K)."""
         views = seen_by_frames(observations).views
-        if tuple(view.shape[1] for view in views) != self.dims:
+        widths = [frame.mean.shape[-1] for frame in self.frames]
+        if [view.shape[1] for view in views] != widths:
             raise ArgumentError(
                 f"observations have shapes {[view.shape for view in views]}; the model's frames "
-                f"have dimensions {list(self.dims)}"
+                f"have dimensions {widths}"
             )
         densities = [
             gaussian.log_density(view[:, None])
@@ -232,6 +243,7 @@ def fit_tp_gmm(
     max_iterations: int = 100,
     restarts: int = 0,
     time: ArrayLike | None = None,
+    manifold: Manifold | Sequence[Manifold] | None = None,
     rng: Seed = None,
 ) -> TPGMM:
     """Fit a task-parameterized Gaussian mixture by EM, Eqs (49-52), or (57-68) in subspaces.
@@ -264,6 +276,9 @@ def fit_tp_gmm(
     time : (N,), optional
         Time of every sample for the start in time. Default: by the stamps of each demonstration;
         for arrays a first column that all frames share, else the order of the rows.
+    manifold : Manifold or sequence of P Manifold, optional
+        On which the observations live, such as ``R(3) * S3``, of all frames or of each; by
+        default R^n. Components then are :class:`~tpsim.RiemannianGaussian`.
     rng : numpy Generator or seed, optional
         Draws the k-means seeds; default a fixed seed, so that the same data give the same model.
 
@@ -289,6 +304,10 @@ def fit_tp_gmm(
     if isinstance(start, TPGMM):
         start = start.priors, start.frames
     options = Options(covariance, start, ridge, tolerance, max_iterations, restarts, time, rng)
+    if manifold is not None:
+        found = fit_on(manifold, seen, components, options)
+        count = found.samples.count
+        return TPGMM(found.priors, found.frames, found.history, count, found.structure)
     fitted = fit(seen, components, options)
     return TPGMM(
         fitted.priors,

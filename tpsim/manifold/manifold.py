@@ -1,0 +1,324 @@
+"""Products of R^n, S1, S2 and S3: the manifold on which a movement lives."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tpsim.archive import Part
+from tpsim.checks import dimensions, finite_array, instance, several
+from tpsim.errors import ArgumentError
+from tpsim.frame import Frame
+from tpsim.manifold.spaces import Circle, Euclidean, Moves, Space
+from tpsim.manifold.spheres import Rotations, Sphere
+
+
+class Block(NamedTuple):
+    """Neighbouring factors that are computed together, with their columns and tangent rows."""
+
+    space: Space
+    columns: slice
+    rows: slice
+
+
+class Factors(NamedTuple):
+    """Some columns of the points of a manifold: their own manifold, columns and tangent rows."""
+
+    manifold: "Manifold"
+    columns: np.ndarray
+    rows: np.ndarray
+
+
+@dataclass(frozen=True)
+class Manifold(Part):
+    """A product of factors: ``R(1, "inputs") * R(3) * S3`` is time, position and orientation.
+
+    A point has the columns of its factors side by side: numbers, angles [rad], unit vectors
+    (x, y, z), unit quaternions (w, x, y, z). A tangent vector has numbers, angles [rad], two
+    angles across a direction, and a rotation vector [rad] aligned with the frame of reference.
+
+    Parameters
+    ----------
+    spaces : tuple of Space
+        Factors; ``R``, ``S1``, ``S2``, ``S3`` and ``*`` make manifolds of them.
+    """
+
+    spaces: tuple[Space, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "spaces", tuple(several("spaces", self.spaces, Space)))
+        if not self.spaces:
+            raise ArgumentError("a manifold needs at least one factor, such as R(3) or S3")
+
+    def __mul__(self, other: "Manifold") -> "Manifold":
+        """Product of two manifolds: points side by side."""
+        return Manifold(self.spaces + instance("other", other, Manifold, "R(3) or S3").spaces)
+
+    def __str__(self) -> str:
+        return " * ".join(map(str, self.spaces))
+
+    @cached_property
+    def width(self) -> int:
+        """Columns of a point."""
+        return sum(space.width for space in self.spaces)
+
+    @cached_property
+    def dim(self) -> int:
+        """Tangent coordinates."""
+        return sum(space.dim for space in self.spaces)
+
+    @cached_property
+    def flat(self) -> bool:
+        """Whether it is R^n as a whole."""
+        return all(space.flat for space in self.spaces)
+
+    def mirrored(self, axis: str) -> "Manifold":
+        """The same for frames that are reflections: bodies are mirrored across this axis of theirs.
+
+        Parameters
+        ----------
+        axis : str
+            ``"x"``, ``"y"`` or ``"z"``.
+        """
+        return Manifold(
+            tuple(Rotations(axis) if isinstance(s, Rotations) else s for s in self.spaces)
+        )
+
+    def part(self, name: str, columns: int | Sequence[int]) -> "Factors":
+        """Some columns of a point as a manifold of their own; curved factors as a whole.
+
+        Parameters
+        ----------
+        name : str
+            What messages call them.
+        columns : int or sequence of int
+        """
+        chosen = dimensions(name, columns, self.width).tolist()
+        spaces: list[Space] = []
+        rows: list[int] = []
+        place = 0
+        while place < len(chosen):
+            block = next(b for b in self._single if chosen[place] < b.columns.stop)
+            space, whole, local = block
+            if isinstance(space, Euclidean):
+                spaces.append(Euclidean(1, space.moves))
+                rows.append(local.start + chosen[place] - whole.start)
+                place += 1
+                continue
+            own = list(range(whole.start, whole.stop))
+            if chosen[place : place + len(own)] != own:
+                raise ArgumentError(
+                    f"{name} takes columns {chosen} of {self}; give those of {space}, {own}, "
+                    "together or not at all"
+                )
+            spaces.append(space)
+            rows += range(local.start, local.stop)
+            place += len(own)
+        return Factors(Manifold(tuple(spaces)), np.array(chosen), np.array(rows))
+
+    @cached_property
+    def _single(self) -> tuple[Block, ...]:
+        """Every factor with its places."""
+        found, column, row = [], 0, 0
+        for space in self.spaces:
+            ends = column + space.width, row + space.dim
+            found.append(Block(space, slice(column, ends[0]), slice(row, ends[1])))
+            column, row = ends
+        return tuple(found)
+
+    @cached_property
+    def blocks(self) -> tuple[Block, ...]:
+        """Factors with their places, neighbours that are flat as one."""
+        found: list[Block] = []
+        for block in self._single:
+            if found and block.space.flat and found[-1].space.flat:
+                last = found.pop()
+                size = last.space.width + block.space.width
+                block = Block(
+                    Euclidean(size),
+                    slice(last.columns.start, block.columns.stop),
+                    slice(last.rows.start, block.rows.stop),
+                )
+            found.append(block)
+        return tuple(found)
+
+    @cached_property
+    def curved(self) -> tuple[Block, ...]:
+        """Factors in which tangent spaces differ."""
+        return tuple(b for b in self.blocks if isinstance(b.space, Sphere | Rotations))
+
+    def points(self, name: str, y: ArrayLike) -> np.ndarray:
+        """Points (..., width) brought onto the manifold: unit lengths, angles within half a turn.
+
+        Raises
+        ------
+        ArgumentError
+            Another number of columns, NaN, or quaternions and directions of zero length.
+        """
+        y = finite_array(name, y)
+        if y.shape[-1:] != (self.width,):
+            raise ArgumentError(
+                f"{name} has shape {y.shape}; {self} has {self.width} columns in the last axis"
+            )
+        if self.flat:
+            return y
+        found = y.copy()
+        for space, columns, _ in self.blocks:
+            if not space.flat:
+                found[..., columns] = space.valid(name, y[..., columns])
+        return found
+
+    def log(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Tangent vectors (..., dim) at x that lead to y, along the shortest way."""
+        if self.flat:
+            return y - x
+        if len(self.blocks) == 1:
+            return self.blocks[0].space.log(x, y)
+        parts = [b.space.log(x[..., b.columns], y[..., b.columns]) for b in self.blocks]
+        return _joined(parts, [b.rows for b in self.blocks], self.dim)
+
+    def log_of_columns(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Tangent vectors (G, K, dim, N) at points x (G, K, width) to points y (G, width, N)."""
+        v = np.empty((*x.shape[:-1], self.dim, y.shape[-1]))
+        for space, columns, rows in self.blocks:
+            space.log_of_columns(x[..., columns], y[..., columns, :], v[..., rows, :])
+        return v
+
+    def exp(self, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Points (..., width) to which tangent vectors at x lead."""
+        if self.flat:
+            return x + v
+        if len(self.blocks) == 1:
+            return self.blocks[0].space.exp(x, v)
+        parts = [b.space.exp(x[..., b.columns], v[..., b.rows]) for b in self.blocks]
+        return _joined(parts, [b.columns for b in self.blocks], self.width)
+
+    def transport(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Parallel transport (..., dim, dim) of tangent coordinates at x to those at y."""
+        turn = self._identity(np.broadcast_shapes(x.shape[:-1], y.shape[:-1]))
+        for space, columns, rows in self.curved:
+            turn[..., rows, rows] = space.transport(x[..., columns], y[..., columns])
+        return turn
+
+    def slope(self, x: np.ndarray, y: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """How ``log_y`` of a point changes as it moves from x: (..., dim, dim), v = log_x(y)."""
+        slope = self._identity(v.shape[:-1])
+        for space, columns, rows in self.curved:
+            slope[..., rows, rows] = space.slope(x[..., columns], y[..., columns], v[..., rows])
+        return slope
+
+    def _identity(self, lead: tuple[int, ...]) -> np.ndarray:
+        found = np.empty((*lead, self.dim, self.dim))
+        found[...] = self._eye
+        return found
+
+    @cached_property
+    def _eye(self) -> np.ndarray:
+        return np.eye(self.dim)
+
+    def distance(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Length (...) of the shortest way from x to y, all units alike."""
+        v = self.log(x, y)
+        return np.sqrt(np.vecdot(v, v))
+
+    def centre(self, y: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Point (..., width) near the mean of points (N, width), with weights (..., N)."""
+        return np.concatenate(
+            [space.centre(y[:, columns], weights) for space, columns, _ in self.blocks], axis=-1
+        )
+
+    def frame(self, frame: Frame) -> Frame:
+        """What a rigid motion of the plane or of space, Eq. (4), does to the columns of a point.
+
+        Points become A x + b, vectors A x, directions A n, angles are turned by the heading of A,
+        orientations are turned by A; what frames leave alone stays. A reflection mirrors
+        directions and angles; orientations where :meth:`mirrored` says how.
+
+        Parameters
+        ----------
+        frame : Frame
+            A (..., n, n), b (..., n), n = 2 or 3; or of the columns already, A (..., w, w), with
+            left multiplications for quaternions, which is checked.
+        """
+        A, b = frame.A, frame.b
+        if A.shape[-1] == self.width and (self.flat or self.width > 3):
+            return self._checked(frame)
+        if A.shape[-1] != A.shape[-2]:
+            raise ArgumentError(
+                f"A has shape {A.shape}; frames of {self} are square: what not all frames see in "
+                "full is for a TPGMM in R^n"
+            )
+        parts = [space.lifted(A, b) for space in self.spaces]
+        lead = A.shape[:-2]
+        whole, offset = np.zeros((*lead, self.width, self.width)), np.zeros((*lead, self.width))
+        for (_, columns, _), (turn, move) in zip(self._single, parts, strict=True):
+            whole[..., columns, columns], offset[..., columns] = turn, move
+        return self._checked(Frame.trusted(whole, offset))
+
+    def _checked(self, frame: Frame) -> Frame:
+        """The frame, or an ArgumentError where it leads off the manifold."""
+        A, b = frame.A, frame.b
+        if A.shape[-2] != self.width:
+            raise ArgumentError(f"A has shape {A.shape}; {self} has {self.width} columns")
+        inside = np.zeros((self.width, self.width), bool)
+        for space, columns, _ in self.blocks:
+            inside[columns, columns] = True
+            if space.wrong(A[..., columns, columns], b[..., columns]):
+                raise ArgumentError(
+                    f"a frame's A and b in columns {columns.start} to {columns.stop - 1} lead off "
+                    f"{space}; give an invertible A for R, a rotation for S2, a left "
+                    "multiplication by a unit quaternion for S3 (Manifold.frame makes one)"
+                )
+        if np.abs(A[..., ~inside]).max(initial=0.0) > 1e-9:
+            raise ArgumentError(f"a frame's A mixes factors of {self}; give one block for each")
+        return frame
+
+    def rigid(self, A: np.ndarray) -> bool:
+        """Whether a frame's A (..., width, width) keeps lengths."""
+        return bool(np.abs(A @ A.mT - np.eye(self.width)).max() < 1e-9)
+
+    def turned(self, A: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Tangent map (..., dim, dim) of a frame, from points x to their images y."""
+        if self.flat:
+            return A
+        lead = np.broadcast_shapes(A.shape[:-2], x.shape[:-1])
+        turn = np.zeros((*lead, self.dim, self.dim))
+        for space, columns, rows in self.blocks:
+            turn[..., rows, rows] = space.turned(
+                A[..., columns, columns], x[..., columns], y[..., columns]
+            )
+        return turn
+
+
+def _joined(parts: list[np.ndarray], places: list[slice], size: int) -> np.ndarray:
+    """Arrays side by side along the last axis: for arrays so small faster than joining them."""
+    found = np.empty((*parts[0].shape[:-1], size))
+    for part, place in zip(parts, places, strict=True):
+        found[..., place] = part
+    return found
+
+
+def R(n: int, moves: Moves = "points") -> Manifold:
+    """R^n: n numbers, as a manifold.
+
+    Parameters
+    ----------
+    n : int
+    moves : str
+        What frames of reference do to it: to ``"points"`` A x + b, to ``"vectors"``, such as
+        velocities, A x, and to ``"inputs"``, such as time, nothing.
+    """
+    return Manifold((Euclidean(n, moves),))
+
+
+S1 = Manifold((Circle(),))
+"""The circle: angles [rad], of which whole turns do not count."""
+
+S2 = Manifold((Sphere(),))
+"""The sphere: directions in space, unit vectors."""
+
+S3 = Manifold((Rotations(),))
+"""Orientations: unit quaternions (w, x, y, z), q and -q the same."""

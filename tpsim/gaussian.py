@@ -215,6 +215,10 @@ class Gaussian(Stored):
 
     def _product(self, factors: Sequence["Gaussian"]) -> "Gaussian":
         """Product of factors, this one the first of them."""
+        if len({g.dim for g in factors}) > 1:
+            raise ArgumentError(
+                f"the gaussians have dimensions {[g.dim for g in factors]}; they must be equal"
+            )
         origin = self.mean  # far from zero, differences keep the digits that sums would lose
         precision, information = np.zeros(1), np.zeros(1)
         try:
@@ -251,10 +255,6 @@ def gaussian_product(gaussians: Sequence[Gaussian]) -> Gaussian:
     factors = several("gaussians", gaussians, Gaussian)
     if not factors:
         raise ArgumentError("a product needs at least one Gaussian; none was given")
-    if len({g.dim for g in factors}) > 1:
-        raise ArgumentError(
-            f"the gaussians have dimensions {[g.dim for g in factors]}; they must be equal"
-        )
     curved = (g for g in factors if type(g) is not Gaussian)
     return next(curved, factors[0])._product(factors)
 

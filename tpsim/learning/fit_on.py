@@ -35,9 +35,19 @@ def fit_on(
 ) -> FitOn:
     """Fit a mixture to samples seen from P frames, all on one manifold or each on its own.
 
-    Samples that one tangent space holds begin with the model that :func:`~.fit.fit` finds in it.
+    In R^n it is :func:`~.fit.fit`. Elsewhere samples that one tangent space holds begin with the
+    model that it finds there.
     """
     samples = samples_on(manifold, seen)
+    if all(one.flat for one in samples.of_frames) and not isinstance(options.start, tuple):
+        plain = fit(seen, components, options)
+        return FitOn(
+            plain.priors,
+            tuple(map(_on, samples.of_frames, plain.frames)),
+            plain.history,
+            samples,
+            plain.structure,
+        )
     structure = structure_of(options.covariance)
     components = whole("components", components, least=1)
     generator("rng", options.rng, 0)
@@ -58,6 +68,10 @@ def fit_on(
     for frame in frames:
         _ = frame.precision
     return FitOn(model.mixture.priors, frames, history, samples, structure)
+
+
+def _on(manifold: Manifold, gaussian: Gaussian) -> RiemannianGaussian:
+    return RiemannianGaussian.trusted_on(manifold, gaussian.mean, gaussian.covariance)
 
 
 def samples_on(manifold: Manifold | Sequence[Manifold], seen: Seen) -> TangentSamples:

@@ -76,8 +76,8 @@ def _placed(
         raise ArgumentError(f"the frames have different shapes or steps ({error})") from error
     moved = manifold.frame(Frame.trusted(A, b))
     A, b = moved.A[..., None, :, :], moved.b[..., None, :]
-    room = (1,) * (A.ndim - 4)
     local = np.array([g.mean for g, _ in members])
+    room = (1,) * (b.ndim - local.ndim)
     local = local.reshape(len(local), *room, *local.shape[1:])
     precision = np.array([g.precision for g, _ in members])
     precision = precision.reshape(len(precision), *room, *precision.shape[1:])

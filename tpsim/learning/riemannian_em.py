@@ -144,7 +144,7 @@ class TangentSamples:
         bases = self.means(h)
         parts = self.moments(h, bases)
         limits = self.floors(parts, bases) if ridge is None else self.ridges(ridge)
-        return self._moved(maximise(parts, None, structure, limits), bases, limits)
+        return self.moved(maximise(parts, None, structure, limits), bases, limits)
 
     def ridges(self, ridge: float) -> Limits:
         """The ridge of Eq. (8) for every group of frames."""
@@ -210,7 +210,7 @@ class TangentSamples:
             ],
         )
 
-    def _moved(
+    def moved(
         self, mixture: Mixture, bases: Sequence[np.ndarray], limits: Limits
     ) -> tuple[Charted, Limits]:
         """The mixture with its means as bases, covariances and floors carried there."""
@@ -241,7 +241,8 @@ class TangentSamples:
         On a curved manifold the mean in the tangent space is the likeliest to third order of the
         spread only; where a step would lower the likelihood EM has converged, and ends before it.
         """
-        model, best, history = start, start, []
+        model, best = start, start
+        history: list[float] = []
         for iteration in range(max_iterations + 1):
             log_likelihood, moments = self.expectation(model)
             if history and log_likelihood < history[-1] and not self._flat:
@@ -252,7 +253,7 @@ class TangentSamples:
             if converged or iteration == max_iterations:
                 break
             found = maximise(moments, model.mixture, structure, limits)
-            model, limits = self._moved(found, model.bases, limits)
+            model, limits = self.moved(found, model.bases, limits)
         return best, np.array(history)
 
     @property

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -87,7 +88,7 @@ class Manifold(Part):
             tuple(Rotations(axis) if isinstance(s, Rotations) else s for s in self.spaces)
         )
 
-    def part(self, name: str, columns: int | Sequence[int]) -> "Factors":
+    def part(self, name: str, columns: int | Sequence[int] | np.ndarray) -> "Factors":
         """Some columns of a point as a manifold of their own; curved factors as a whole.
 
         Parameters
@@ -104,9 +105,11 @@ class Manifold(Part):
             block = next(b for b in self._single if chosen[place] < b.columns.stop)
             space, whole, local = block
             if isinstance(space, Euclidean):
-                spaces.append(Euclidean(1, space.moves))
-                rows.append(local.start + chosen[place] - whole.start)
-                place += 1
+                inside = range(whole.start, whole.stop)
+                taken = list(takewhile(inside.__contains__, chosen[place:]))
+                spaces.append(Euclidean(len(taken), space.moves))
+                rows += [local.start + column - whole.start for column in taken]
+                place += len(taken)
                 continue
             own = list(range(whole.start, whole.stop))
             if chosen[place : place + len(own)] != own:
@@ -230,6 +233,13 @@ class Manifold(Part):
             [space.centre(y[:, columns], weights) for space, columns, _ in self.blocks], axis=-1
         )
 
+    @cached_property
+    def _lone(self) -> bool:
+        """Whether it is one factor of as many columns as a frame's axes, to which b is nothing."""
+        (first, *others) = self.spaces
+        moved = isinstance(first, Euclidean) and first.moves != "points"
+        return not others and (moved or isinstance(first, Sphere))
+
     def frame(self, frame: Frame) -> Frame:
         """What a rigid motion of the plane or of space, Eq. (4), does to the columns of a point.
 
@@ -244,7 +254,7 @@ class Manifold(Part):
             left multiplications for quaternions, which is checked.
         """
         A, b = frame.A, frame.b
-        if A.shape[-1] == self.width and (self.flat or self.width > 3):
+        if A.shape[-1] == self.width and not self._lone:
             return self._checked(frame)
         if A.shape[-1] != A.shape[-2]:
             raise ArgumentError(

@@ -17,6 +17,9 @@ STILL = 1e-4
 EXACT = 1e-9
 """The same [rad] where nothing waits."""
 
+SLOWEST = 0.5
+"""Share by which steps shrink that is believed, at most."""
+
 OPPOSITE = np.pi - 1e-3
 """Angle [rad] from which on means count as opposite: small errors turn the way round."""
 
@@ -36,6 +39,7 @@ def fused(
     round, with a DataWarning.
     """
     x = _most_precise(manifold, means, precisions) if near is None else near
+    before = np.zeros((*x.shape[:-1], manifold.dim))
     for turn in range(ROUNDS):
         e = manifold.log(x, means)
         seen = precisions
@@ -44,6 +48,11 @@ def fused(
             seen = slope.mT @ precisions @ slope
         information, total = (seen @ e[..., None]).sum(0), seen.sum(0)
         step = np.linalg.solve(total, information)[..., 0]
+        if turn % 2:
+            # Far apart, steps shrink slowly, each by one share: all that would follow at once.
+            share = np.vecdot(step, before) / np.maximum(np.vecdot(before, before), 1e-300)
+            step = step / (1 - np.clip(share, 0.0, SLOWEST))[..., None]
+        before = step
         x = manifold.exp(x, step)
         if turn == 0:
             _say_if_opposite(manifold, e)

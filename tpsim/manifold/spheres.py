@@ -275,7 +275,8 @@ def _unit(name: str, y: np.ndarray, what: str) -> np.ndarray:
             f"{name} holds {what} of zero length, the first {place(length < 1e-9)}; they point "
             "nowhere: remove these samples"
         )
-    return y / length[..., None]
+    # What has unit length but for rounding keeps its bits.
+    return np.where(np.abs(length - 1) < 1e-15, 1.0, 1 / length)[..., None] * y
 
 
 def _not_orthonormal(A: np.ndarray) -> bool:

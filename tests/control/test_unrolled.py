@@ -113,7 +113,7 @@ def test_impedance_at_the_mean_is_a_wrench_that_leads_back():
     turn = POSE.frame(Frame(rotation.exp([1.0, 2.0, 3.0]), [0.0, 1, 2]))
     moved = g.affine(turn.A, turn.b)
     other, _ = impedance(moved.precision, 0.1)
-    R_turn = POSE.turned(turn.A, x, turn.to_common(x))
+    R_turn = POSE.work.turned(turn.A, x, turn.to_common(x))
     np.testing.assert_allclose(
         other @ POSE.log(turn.to_common(x), moved.mean), R_turn @ wrench, atol=1e-9
     )

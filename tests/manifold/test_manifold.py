@@ -24,7 +24,7 @@ def test_exp_and_log_undo_each_other(manifold):
     v = 0.9 * np.random.default_rng(2).uniform(-1, 1, (300, manifold.dim))
     np.testing.assert_allclose(manifold.log(x, manifold.exp(x, v)), v, atol=1e-12)
     np.testing.assert_allclose(manifold.distance(x, y), manifold.distance(y, x), atol=1e-12)
-    many = manifold.log_of_columns(x[:2, None][:, [0, 0]], np.stack([y.T, y.T]))
+    many = manifold.work.log_of_columns(x[:2, None][:, [0, 0]], np.stack([y.T, y.T]))
     expected = manifold.log(x[:2, None], y)
     np.testing.assert_allclose(many[:, 1], expected.mT, atol=1e-12)
 
@@ -58,7 +58,7 @@ def test_slope_is_the_derivative_of_log(manifold):
     x, v = points(manifold, 50), np.random.default_rng(1).normal(size=(50, manifold.dim))
     v *= 2.5 / np.maximum(2.5, np.linalg.norm(v, axis=1, keepdims=True))
     y, h = manifold.exp(x, v), 1e-5
-    slope = manifold.slope(x, y, v)
+    slope = manifold.work.slope(x, y, v)
     for k, step in enumerate(h * np.eye(manifold.dim)):
         ahead, back = (
             manifold.log(y, manifold.exp(x, s * np.ones((50, 1)))) for s in (step, -step)
@@ -85,7 +85,7 @@ def test_frames_are_rigid_motions_and_keep_ways(mirrored):
     frame = manifold.frame(Frame(A, b))
     x, y = points(manifold, 40), points(manifold, 40, 1)
     moved, other = frame.to_common(x), frame.to_common(y)
-    turn = manifold.turned(frame.A, x, moved)
+    turn = manifold.work.turned(frame.A, x, moved)
     np.testing.assert_allclose(
         manifold.log(moved, other), (turn @ manifold.log(x, y)[..., None])[..., 0], atol=1e-12
     )

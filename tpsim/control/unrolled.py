@@ -58,10 +58,10 @@ class Unrolled:
         x = instance("manifold", manifold, Manifold, "such as R(3) * S3").points("points", points)
         if x.ndim != 2 or not len(x):
             raise ArgumentError(f"points have shape {x.shape}; give (T, {manifold.width}), T >= 1")
-        steps = manifold.log(x[:-1], x[1:])
+        steps = manifold.work.log(x[:-1], x[1:])
         axes = np.empty((len(x), manifold.dim, manifold.dim))
         axes[0] = np.eye(manifold.dim)
-        for t, turn in enumerate(manifold.transport(x[:-1], x[1:])):
+        for t, turn in enumerate(manifold.work.transport(x[:-1], x[1:])):
             axes[t + 1] = turn @ axes[t]
         plane = np.zeros((len(x), manifold.dim))
         plane[1:] = np.cumsum((axes[:-1].mT @ steps[..., None])[..., 0], axis=0)
@@ -73,19 +73,19 @@ class Unrolled:
     def see(self, step: int | slice, point: ArrayLike) -> np.ndarray:
         """Where a point (..., width) lies on the plane, as seen from the path at a step."""
         y = self.manifold.points("point", point)
-        v = self.manifold.log(self.points[step], y)
+        v = self.manifold.work.log(self.points[step], y)
         return self.plane[step] + (self.axes[step].mT @ v[..., None])[..., 0]
 
     def roll(self, step: int | slice, plane: ArrayLike) -> np.ndarray:
         """The point (..., width) that lies at (..., dim) on the plane, as seen from a step."""
         v = finite_array("plane", plane) - self.plane[step]
-        return self.manifold.exp(self.points[step], (self.axes[step] @ v[..., None])[..., 0])
+        return self.manifold.work.exp(self.points[step], (self.axes[step] @ v[..., None])[..., 0])
 
     def place(self, gaussian: RiemannianGaussian) -> tuple[np.ndarray, np.ndarray]:
         """Means (..., T, dim) and precisions (..., T, dim, dim) of Gaussians on the plane."""
         m = self.manifold
-        v = m.log(self.points, gaussian.mean)
-        slope = m.slope(self.points, np.broadcast_to(gaussian.mean, gaussian.mean.shape), v)
+        v = m.work.log(self.points, gaussian.mean)
+        slope = m.work.slope(self.points, np.broadcast_to(gaussian.mean, gaussian.mean.shape), v)
         back = slope @ self.axes
         mean = self.plane + (self.axes.mT @ v[..., None])[..., 0]
         return mean, symmetric(back.mT @ gaussian.precision @ back)

@@ -224,7 +224,7 @@ def _accumulate(
         ways = np.stack([before[i], last[low + 1 : high + 2], last[i]])
         best = ways.argmin(0).astype(np.int8)
         matched = y[k - high : k - low + 1][::-1]
-        apart = x[i] - matched if manifold is None else manifold.log(x[i], matched)
+        apart = x[i] - matched if manifold is None else manifold.work.log(x[i], matched)
         now[low] = now[high + 2] = np.inf
         now[low + 1 : high + 2] = np.sqrt(np.einsum("nd,nd->n", apart, apart)) + ways.min(0)
         diagonals.append((low, best))

@@ -82,6 +82,6 @@ def _placed(
     precision = np.array([g.precision for g, _ in members])
     precision = precision.reshape(len(precision), *room, *precision.shape[1:])
     mean = (A @ local[..., None])[..., 0] + b
-    turn = manifold.turned(A, local, mean)
-    back = turn.mT if manifold.rigid(A) else np.linalg.inv(turn)
+    turn = manifold.work.turned(A, local, mean)
+    back = turn.mT if manifold.work.rigid(A) else np.linalg.inv(turn)
     return manifold, mean, back.mT @ precision @ back

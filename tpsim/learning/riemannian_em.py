@@ -81,7 +81,7 @@ class TangentSamples:
     def _tangents(self, rows: slice, bases: Sequence[np.ndarray]) -> list[np.ndarray]:
         """Tangent vectors (G, K, dim, n) of a block of samples at the bases."""
         return [
-            manifold.log_of_columns(base, columns[..., rows])
+            manifold.work.log_of_columns(base, columns[..., rows])
             for manifold, base, columns in zip(self.manifolds, bases, self._columns, strict=True)
         ]
 
@@ -124,7 +124,7 @@ class TangentSamples:
     def means(self, h: np.ndarray) -> tuple[np.ndarray, ...]:
         """Weighted means (G, K, width) for responsibilities (N, K)."""
         bases = tuple(
-            np.stack([manifold.centre(self._views[j], h.T) for j in group])
+            np.stack([manifold.work.centre(self._views[j], h.T) for j in group])
             for group, manifold in zip(self.groups, self.manifolds, strict=True)
         )
         if all(manifold.flat for manifold in self.manifolds):
@@ -132,7 +132,7 @@ class TangentSamples:
         for _ in range(SETTLING):
             found = self.moments(h, bases).mean
             bases = tuple(
-                manifold.exp(base, step)
+                manifold.work.exp(base, step)
                 for manifold, base, step in zip(self.manifolds, bases, found, strict=True)
             )
         return bases
@@ -188,7 +188,7 @@ class TangentSamples:
             (
                 float(np.sqrt(np.vecdot(v, v).max()))
                 for manifold, view in zip(self.of_frames, views, strict=True)
-                for block in manifold.blocks
+                for block in manifold.work.blocks
                 if not block.space.flat
                 for v in [view[:, block.rows]]
             ),
@@ -218,9 +218,9 @@ class TangentSamples:
         for manifold, base, part, limit in zip(
             self.manifolds, bases, mixture.components, limits, strict=True
         ):
-            there = manifold.exp(base, part.mean)
+            there = manifold.work.exp(base, part.mean)
             covariance = carried(manifold, base, there, part.covariance)
-            if isinstance(limit, Floor) and manifold.curved:
+            if isinstance(limit, Floor) and manifold.work.curved:
                 limit = Floor(carried(manifold, base, there, limit.least))
             part = replace(part, mean=np.zeros_like(part.mean), covariance=covariance)
             parts.append(part)

@@ -96,7 +96,7 @@ class RiemannianGaussian(Gaussian):
         """Tangent vectors (..., dim) at the mean that lead to points (..., width)."""
         x = self.manifold.points("x", x)
         try:
-            return self.manifold.log(self.mean, x)
+            return self.manifold.work.log(self.mean, x)
         except ValueError:
             raise ArgumentError(
                 f"x has leading axes {x.shape[:-1]}, the mean {self.mean.shape[:-1]}; they must "
@@ -112,7 +112,7 @@ class RiemannianGaussian(Gaussian):
 
     def sample(self, rng: Seed, size: int | tuple[int, ...] = ()) -> np.ndarray:
         """Draw points, shape ``size`` + (..., width); ``rng`` is a Generator or a seed."""
-        return self.manifold.exp(self.mean, self.spread.sample(rng, size))
+        return self.manifold.work.exp(self.mean, self.spread.sample(rng, size))
 
     def marginal(self, dims: Dimensions) -> "RiemannianGaussian":
         """Distribution of some columns of the points alone; curved factors as a whole."""
@@ -153,7 +153,7 @@ class RiemannianGaussian(Gaussian):
         """
         frame = self.manifold.frame(Frame(A, np.broadcast_to(b, np.shape(A)[:-1])))
         mean = frame.to_common(self.mean)
-        turn = self.manifold.turned(frame.A, self.mean, mean)
+        turn = self.manifold.work.turned(frame.A, self.mean, mean)
         return RiemannianGaussian.trusted_on(
             self.manifold, mean, symmetric(turn @ self.covariance @ turn.mT)
         )
@@ -193,7 +193,7 @@ def split(manifold: Manifold, given: Dimensions, of: Dimensions | None) -> tuple
 
 def shifted(manifold: Manifold, base: np.ndarray, tangent: Gaussian) -> RiemannianGaussian:
     """Gaussian about the point to which a Gaussian in the tangent space at ``base`` leads."""
-    mean = manifold.exp(base, tangent.mean)
+    mean = manifold.work.exp(base, tangent.mean)
     return RiemannianGaussian.trusted_on(
         manifold, mean, carried(manifold, base, mean, tangent.covariance)
     )
@@ -201,7 +201,7 @@ def shifted(manifold: Manifold, base: np.ndarray, tangent: Gaussian) -> Riemanni
 
 def carried(manifold: Manifold, x: np.ndarray, y: np.ndarray, covariance: np.ndarray) -> np.ndarray:
     """Covariances (..., dim, dim) at points x in tangent coordinates at y."""
-    if not manifold.curved:
+    if not manifold.work.curved:
         return covariance
-    slope = np.linalg.inv(manifold.slope(y, x, manifold.log(y, x)))
+    slope = np.linalg.inv(manifold.work.slope(y, x, manifold.work.log(y, x)))
     return symmetric(slope @ covariance @ slope.mT)

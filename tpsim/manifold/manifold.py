@@ -10,19 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Part
+from tpsim.arrays import LARGEST
 from tpsim.checks import dimensions, finite_array, instance, several
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
+from tpsim.manifold.charts import Charts
 from tpsim.manifold.spaces import Circle, Euclidean, Moves, Space
 from tpsim.manifold.spheres import Rotations, Sphere
-
-
-class Block(NamedTuple):
-    """Neighbouring factors that are computed together, with their columns and tangent rows."""
-
-    space: Space
-    columns: slice
-    rows: slice
 
 
 class Factors(NamedTuple):
@@ -102,7 +96,7 @@ class Manifold(Part):
         rows: list[int] = []
         place = 0
         while place < len(chosen):
-            block = next(b for b in self._single if chosen[place] < b.columns.stop)
+            block = next(b for b in self.work.single if chosen[place] < b.columns.stop)
             space, whole, local = block
             if isinstance(space, Euclidean):
                 inside = range(whole.start, whole.stop)
@@ -123,35 +117,64 @@ class Manifold(Part):
         return Factors(Manifold(tuple(spaces)), np.array(chosen), np.array(rows))
 
     @cached_property
-    def _single(self) -> tuple[Block, ...]:
-        """Every factor with its places."""
-        found, column, row = [], 0, 0
-        for space in self.spaces:
-            ends = column + space.width, row + space.dim
-            found.append(Block(space, slice(column, ends[0]), slice(row, ends[1])))
-            column, row = ends
-        return tuple(found)
+    def work(self) -> Charts:
+        """The same maps unchecked, for points that are known to be some."""
+        return Charts(self.spaces)
 
-    @cached_property
-    def blocks(self) -> tuple[Block, ...]:
-        """Factors with their places, neighbours that are flat as one."""
-        found: list[Block] = []
-        for block in self._single:
-            if found and block.space.flat and found[-1].space.flat:
-                last = found.pop()
-                size = last.space.width + block.space.width
-                block = Block(
-                    Euclidean(size),
-                    slice(last.columns.start, block.columns.stop),
-                    slice(last.rows.start, block.rows.stop),
-                )
-            found.append(block)
-        return tuple(found)
+    def log(self, x: ArrayLike, y: ArrayLike) -> np.ndarray:
+        """Tangent vectors (..., dim) at x that lead to y, along the shortest way.
 
-    @cached_property
-    def curved(self) -> tuple[Block, ...]:
-        """Factors in which tangent spaces differ."""
-        return tuple(b for b in self.blocks if isinstance(b.space, Sphere | Rotations))
+        Parameters
+        ----------
+        x, y : (..., width)
+            Points; leading axes broadcast.
+        """
+        return self.work.log(*self._pair(self.points("x", x), self.points("y", y)))
+
+    def exp(self, x: ArrayLike, v: ArrayLike) -> np.ndarray:
+        """Points (..., width) to which tangent vectors at x lead.
+
+        Parameters
+        ----------
+        x : (..., width)
+        v : (..., dim)
+        """
+        v = finite_array("v", v)
+        if v.shape[-1:] != (self.dim,) or (v.size and not np.abs(v).max() < LARGEST):
+            raise ArgumentError(
+                f"v has shape {v.shape}; {self} has {self.dim} tangent coordinates, each below "
+                f"{LARGEST:.0e}"
+            )
+        return self.work.exp(*self._pair(self.points("x", x), v))
+
+    def transport(self, x: ArrayLike, y: ArrayLike) -> np.ndarray:
+        """Parallel transport (..., dim, dim) of tangent coordinates at x to those at y.
+
+        Parameters
+        ----------
+        x, y : (..., width)
+        """
+        return self.work.transport(*self._pair(self.points("x", x), self.points("y", y)))
+
+    def distance(self, x: ArrayLike, y: ArrayLike) -> np.ndarray:
+        """Length (...) of the shortest way from x to y, all units alike.
+
+        Parameters
+        ----------
+        x, y : (..., width)
+        """
+        v = self.log(x, y)
+        return np.sqrt(np.vecdot(v, v))
+
+    def _pair(self, x: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        try:
+            np.broadcast_shapes(x.shape[:-1], other.shape[:-1])
+        except ValueError:
+            raise ArgumentError(
+                f"x has leading axes {x.shape[:-1]}, the other {other.shape[:-1]}; they must "
+                "broadcast, as in x[..., None, :]"
+            ) from None
+        return x, other
 
     def points(self, name: str, y: ArrayLike) -> np.ndarray:
         """Points (..., width) brought onto the manifold: unit lengths, angles within half a turn.
@@ -169,69 +192,10 @@ class Manifold(Part):
         if self.flat:
             return y
         found = y.copy()
-        for space, columns, _ in self.blocks:
+        for space, columns, _ in self.work.blocks:
             if not space.flat:
                 found[..., columns] = space.valid(name, y[..., columns])
         return found
-
-    def log(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Tangent vectors (..., dim) at x that lead to y, along the shortest way."""
-        if self.flat:
-            return y - x
-        if len(self.blocks) == 1:
-            return self.blocks[0].space.log(x, y)
-        parts = [b.space.log(x[..., b.columns], y[..., b.columns]) for b in self.blocks]
-        return _joined(parts, [b.rows for b in self.blocks], self.dim)
-
-    def log_of_columns(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Tangent vectors (G, K, dim, N) at points x (G, K, width) to points y (G, width, N)."""
-        v = np.empty((*x.shape[:-1], self.dim, y.shape[-1]))
-        for space, columns, rows in self.blocks:
-            space.log_of_columns(x[..., columns], y[..., columns, :], v[..., rows, :])
-        return v
-
-    def exp(self, x: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Points (..., width) to which tangent vectors at x lead."""
-        if self.flat:
-            return x + v
-        if len(self.blocks) == 1:
-            return self.blocks[0].space.exp(x, v)
-        parts = [b.space.exp(x[..., b.columns], v[..., b.rows]) for b in self.blocks]
-        return _joined(parts, [b.columns for b in self.blocks], self.width)
-
-    def transport(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Parallel transport (..., dim, dim) of tangent coordinates at x to those at y."""
-        turn = self._identity(np.broadcast_shapes(x.shape[:-1], y.shape[:-1]))
-        for space, columns, rows in self.curved:
-            turn[..., rows, rows] = space.transport(x[..., columns], y[..., columns])
-        return turn
-
-    def slope(self, x: np.ndarray, y: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """How ``log_y`` of a point changes as it moves from x: (..., dim, dim), v = log_x(y)."""
-        slope = self._identity(v.shape[:-1])
-        for space, columns, rows in self.curved:
-            slope[..., rows, rows] = space.slope(x[..., columns], y[..., columns], v[..., rows])
-        return slope
-
-    def _identity(self, lead: tuple[int, ...]) -> np.ndarray:
-        found = np.empty((*lead, self.dim, self.dim))
-        found[...] = self._eye
-        return found
-
-    @cached_property
-    def _eye(self) -> np.ndarray:
-        return np.eye(self.dim)
-
-    def distance(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Length (...) of the shortest way from x to y, all units alike."""
-        v = self.log(x, y)
-        return np.sqrt(np.vecdot(v, v))
-
-    def centre(self, y: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """Point (..., width) near the mean of points (N, width), with weights (..., N)."""
-        return np.concatenate(
-            [space.centre(y[:, columns], weights) for space, columns, _ in self.blocks], axis=-1
-        )
 
     @cached_property
     def _lone(self) -> bool:
@@ -264,7 +228,7 @@ class Manifold(Part):
         parts = [space.lifted(A, b) for space in self.spaces]
         lead = A.shape[:-2]
         whole, offset = np.zeros((*lead, self.width, self.width)), np.zeros((*lead, self.width))
-        for (_, columns, _), (turn, move) in zip(self._single, parts, strict=True):
+        for (_, columns, _), (turn, move) in zip(self.work.single, parts, strict=True):
             whole[..., columns, columns], offset[..., columns] = turn, move
         return self._checked(Frame.trusted(whole, offset))
 
@@ -274,7 +238,7 @@ class Manifold(Part):
         if A.shape[-2] != self.width:
             raise ArgumentError(f"A has shape {A.shape}; {self} has {self.width} columns")
         inside = np.zeros((self.width, self.width), bool)
-        for space, columns, _ in self.blocks:
+        for space, columns, _ in self.work.blocks:
             inside[columns, columns] = True
             if space.wrong(A[..., columns, columns], b[..., columns]):
                 raise ArgumentError(
@@ -285,30 +249,6 @@ class Manifold(Part):
         if np.abs(A[..., ~inside]).max(initial=0.0) > 1e-9:
             raise ArgumentError(f"a frame's A mixes factors of {self}; give one block for each")
         return frame
-
-    def rigid(self, A: np.ndarray) -> bool:
-        """Whether a frame's A (..., width, width) keeps lengths."""
-        return bool(np.abs(A @ A.mT - np.eye(self.width)).max() < 1e-9)
-
-    def turned(self, A: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Tangent map (..., dim, dim) of a frame, from points x to their images y."""
-        if self.flat:
-            return A
-        lead = np.broadcast_shapes(A.shape[:-2], x.shape[:-1])
-        turn = np.zeros((*lead, self.dim, self.dim))
-        for space, columns, rows in self.blocks:
-            turn[..., rows, rows] = space.turned(
-                A[..., columns, columns], x[..., columns], y[..., columns]
-            )
-        return turn
-
-
-def _joined(parts: list[np.ndarray], places: list[slice], size: int) -> np.ndarray:
-    """Arrays side by side along the last axis: for arrays so small faster than joining them."""
-    found = np.empty((*parts[0].shape[:-1], size))
-    for part, place in zip(parts, places, strict=True):
-        found[..., place] = part
-    return found
 
 
 def R(n: int, moves: Moves = "points") -> Manifold:

@@ -41,10 +41,10 @@ def fused(
     x = _most_precise(manifold, means, precisions) if near is None else near
     before = np.zeros((*x.shape[:-1], manifold.dim))
     for turn in range(ROUNDS):
-        e = manifold.log(x, means)
+        e = manifold.work.log(x, means)
         seen = precisions
-        if manifold.curved:
-            slope = manifold.slope(x, means, e)
+        if manifold.work.curved:
+            slope = manifold.work.slope(x, means, e)
             seen = slope.mT @ precisions @ slope
         information, total = (seen @ e[..., None]).sum(0), seen.sum(0)
         step = np.linalg.solve(total, information)[..., 0]
@@ -53,7 +53,7 @@ def fused(
             share = np.vecdot(step, before) / np.maximum(np.vecdot(before, before), 1e-300)
             step = step / (1 - np.clip(share, 0.0, SLOWEST))[..., None]
         before = step
-        x = manifold.exp(x, step)
+        x = manifold.work.exp(x, step)
         if turn == 0:
             _say_if_opposite(manifold, e)
         if manifold.flat or not np.abs(step).max(initial=0.0) > still:
@@ -63,9 +63,9 @@ def fused(
 
 def _most_precise(manifold: Manifold, means: np.ndarray, precisions: np.ndarray) -> np.ndarray:
     """For every index of the leading axes, the mean that is most precise in curved factors."""
-    if not manifold.curved:
+    if not manifold.work.curved:
         return means[0]
-    rows = np.concatenate([np.arange(b.rows.start, b.rows.stop) for b in manifold.curved])
+    rows = np.concatenate([np.arange(b.rows.start, b.rows.stop) for b in manifold.work.curved])
     best = precisions[..., rows, rows].sum(-1).argmax(0)
     if best.ndim == 0:
         return means[best]
@@ -74,7 +74,7 @@ def _most_precise(manifold: Manifold, means: np.ndarray, precisions: np.ndarray)
 
 def _say_if_opposite(manifold: Manifold, e: np.ndarray) -> None:
     """Give a DataWarning where tangent vectors (..., dim) lead half way round."""
-    for block in manifold.blocks:
+    for block in manifold.work.blocks:
         if not block.space.flat:
             v = e[..., block.rows]
             if np.vecdot(v, v).max(initial=0.0) > OPPOSITE**2:
@@ -94,22 +94,22 @@ def mixed(
     The mean is the point at which weighted tangent vectors sum to zero, sought from the heaviest
     component.
     """
-    if manifold.curved or not manifold.flat:
+    if manifold.work.curved or not manifold.flat:
         heaviest = weights.argmax(-1)[..., None, None]
         x = np.take_along_axis(means, heaviest, -2)[..., 0, :]
     else:
         x = means[..., 0, :]
     h = weights[..., None, :]
     for _ in range(ROUNDS):
-        e = manifold.log(x[..., None, :], means)
+        e = manifold.work.log(x[..., None, :], means)
         step = np.matmul(h, e)[..., 0, :]
-        x = manifold.exp(x, step)
+        x = manifold.work.exp(x, step)
         if manifold.flat or not np.abs(step).max(initial=0.0) > STILL:
             break
     at = x[..., None, :]
-    e = manifold.log(at, means)
-    if manifold.curved:
-        back = np.linalg.inv(manifold.slope(at, means, e))
+    e = manifold.work.log(at, means)
+    if manifold.work.curved:
+        back = np.linalg.inv(manifold.work.slope(at, means, e))
         covariances = back @ covariances @ back.mT
     within = np.matmul(h, covariances.reshape(*covariances.shape[:-2], -1))
     within = within.reshape(*within.shape[:-2], manifold.dim, manifold.dim)

@@ -90,7 +90,7 @@ class RiemannianRegression(Regression):
     def mixture(self, inputs: ArrayLike) -> tuple[NDArray, RiemannianGaussian]:
         """All modes at inputs (..., I), Eq. 13: weights (..., K) and Gaussian (..., K)."""
         weights, shift = self._components(inputs)
-        means = self.outputs.exp(self.output_mean, shift)
+        means = self.outputs.work.exp(self.output_mean, shift)
         covariance = carried(self.outputs, self.output_mean, means, self.covariance)
         shape = (*means.shape[:-1], *covariance.shape[-2:])
         return weights, RiemannianGaussian.trusted_on(
@@ -108,7 +108,7 @@ class RiemannianRegression(Regression):
             raise ArgumentError(
                 f"inputs {points.shape} do not fit a mixture with leading axes {lead}"
             )
-        offset = self.inputs.log(self.input_mean, points[..., None, :])
+        offset = self.inputs.work.log(self.input_mean, points[..., None, :])
         moved = np.matmul(self.linear, offset[..., None])[..., 0]
         white = moved[..., :size]
         log_weight = self.log_scale - 0.5 * np.vecdot(white, white)

@@ -213,6 +213,29 @@ class Gaussian(Stored):
         z = generator("rng", rng).standard_normal((*sizes, *self.mean.shape))
         return self.mean + (root @ z[..., None])[..., 0]
 
+    def _product(self, factors: Sequence["Gaussian"]) -> "Gaussian":
+        """Product of factors, this one the first of them."""
+        if len({g.dim for g in factors}) > 1:
+            raise ArgumentError(
+                f"the gaussians have dimensions {[g.dim for g in factors]}; they must be equal"
+            )
+        origin = self.mean  # far from zero, differences keep the digits that sums would lose
+        precision, information = np.zeros(1), np.zeros(1)
+        try:
+            for g in factors:
+                precision = precision + g.precision
+                information = information + g.precision @ (g.mean - origin)[..., None]
+        except ArgumentError as error:
+            raise ArgumentError(f"a factor of gaussians cannot be inverted: {error}") from error
+        except ValueError as error:
+            raise ArgumentError(f"leading axes of the gaussians do not match ({error})") from error
+        covariance = inverse_spd(precision, "sum of precisions")
+        return Gaussian.trusted(origin + (covariance @ information)[..., 0], covariance)
+
+    def _mixed(self, weights: np.ndarray) -> "Gaussian":
+        """Single Gaussian of a mixture, of which these are the components."""
+        return mixed_moments(weights, self)
+
 
 def gaussian_product(gaussians: Sequence[Gaussian]) -> Gaussian:
     """Product of Gaussians, Eq. (6), in information form: precisions add.
@@ -221,7 +244,7 @@ def gaussian_product(gaussians: Sequence[Gaussian]) -> Gaussian:
 
     Parameters
     ----------
-    gaussians : sequence of Gaussian with the same D
+    gaussians : sequence of Gaussian with the same D, or on one manifold
         Leading axes broadcast.
 
     Raises
@@ -232,22 +255,8 @@ def gaussian_product(gaussians: Sequence[Gaussian]) -> Gaussian:
     factors = several("gaussians", gaussians, Gaussian)
     if not factors:
         raise ArgumentError("a product needs at least one Gaussian; none was given")
-    if len({g.dim for g in factors}) > 1:
-        raise ArgumentError(
-            f"the gaussians have dimensions {[g.dim for g in factors]}; they must be equal"
-        )
-    origin = factors[0].mean  # far from zero, differences keep the digits that sums would lose
-    precision, information = np.zeros(1), np.zeros(1)
-    try:
-        for g in factors:
-            precision = precision + g.precision
-            information = information + g.precision @ (g.mean - origin)[..., None]
-    except ArgumentError as error:
-        raise ArgumentError(f"a factor of gaussians cannot be inverted: {error}") from error
-    except ValueError as error:
-        raise ArgumentError(f"leading axes of the gaussians do not match ({error})") from error
-    covariance = inverse_spd(precision, "sum of precisions")
-    return Gaussian.trusted(origin + (covariance @ information)[..., 0], covariance)
+    curved = (g for g in factors if type(g) is not Gaussian)
+    return next(curved, factors[0])._product(factors)
 
 
 def faded(precision: np.ndarray, covariance: np.ndarray) -> np.ndarray:
@@ -280,7 +289,7 @@ def match_moments(weights: ArrayLike, gaussian: Gaussian) -> Gaussian:
     if (h < 0).any() or (np.abs(h.sum(-1) - 1) > 1e-6).any():
         raise ArgumentError("weights must not be negative, and sum to one over the last axis")
     try:
-        return mixed_moments(h, parts)
+        return parts._mixed(h)
     except ValueError as error:
         raise ArgumentError(f"leading axes do not match: {error}") from error
 

@@ -29,6 +29,9 @@ from tpsim.control.spring import damping_of as damping_of
 from tpsim.control.spring import spring_damper as spring_damper
 from tpsim.control.system import LinearSystem as LinearSystem
 from tpsim.control.system import integrator as integrator
+from tpsim.control.unrolled import ManifoldPlan as ManifoldPlan
+from tpsim.control.unrolled import Unrolled as Unrolled
+from tpsim.control.unrolled import lqt_on as lqt_on
 from tpsim.demonstration import Demonstration as Demonstration
 from tpsim.errors import ArgumentError as ArgumentError
 from tpsim.errors import DataWarning as DataWarning
@@ -77,6 +80,12 @@ from tpsim.learning.subspace import MFA as MFA
 from tpsim.learning.subspace import MPPCA as MPPCA
 from tpsim.learning.tp_gmm import TPGMM as TPGMM
 from tpsim.learning.tp_gmm import fit_tp_gmm as fit_tp_gmm
+from tpsim.manifold.gaussian import RiemannianGaussian as RiemannianGaussian
+from tpsim.manifold.manifold import S1 as S1
+from tpsim.manifold.manifold import S2 as S2
+from tpsim.manifold.manifold import S3 as S3
+from tpsim.manifold.manifold import Manifold as Manifold
+from tpsim.manifold.manifold import R as R
 from tpsim.retrieval.clock import on_one_clock as on_one_clock
 from tpsim.retrieval.distribution import TPTrajectoryDistribution as TPTrajectoryDistribution
 from tpsim.retrieval.distribution import TrajectoryDistribution as TrajectoryDistribution

@@ -23,6 +23,13 @@ MOST_TURN = 1e8  # [rad]: beyond it rounding decides where a rotation ends
 WIDE_TURN = np.pi / 3  # [rad] between neighbouring samples: faster than any recorder should be
 
 
+_CROSS = np.array(
+    [[0, 0, 0, 0, 0, -1, 0, 1, 0], [0, 0, 1, 0, 0, 0, -1, 0, 0], [0, -1, 0, 1, 0, 0, 0, 0, 0]],
+    float,
+)
+"""Cross-product matrices (3, 9) of the three axes."""
+
+
 def _scipy() -> type[Rotation]:
     """Class of scipy, imported where it is needed: it takes its time."""
     from scipy.spatial.transform import Rotation
@@ -32,10 +39,12 @@ def _scipy() -> type[Rotation]:
 
 def skew(v: ArrayLike) -> np.ndarray:
     """Cross-product matrix: ``skew(v) @ x = v x x``, shape (..., 3) -> (..., 3, 3)."""
-    v = _shaped("v", v, (3,))
-    S = np.zeros((*v.shape[:-1], 3, 3))
-    S[..., 0, 1], S[..., 0, 2], S[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
-    return S - np.swapaxes(S, -1, -2)
+    return cross_matrix(_shaped("v", v, (3,)))
+
+
+def cross_matrix(v: np.ndarray) -> np.ndarray:
+    """Work of :func:`skew` for vectors that are known to be some."""
+    return np.matmul(v, _CROSS).reshape(*v.shape, 3)
 
 
 def exp(w: ArrayLike) -> np.ndarray:

@@ -2,7 +2,10 @@
 
 import shutil
 
+import numpy as np
 import pytest
+
+from tpsim import rotation
 
 pytest.importorskip("viser", reason="viser is not installed: pip install 'tpsim[play]'")
 sync_api = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")

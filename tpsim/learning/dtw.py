@@ -7,9 +7,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.agreement import agreed_with_warning
-from tpsim.checks import array_of, choice, column_or_matrix, frozen, number, several, whole
+from tpsim.checks import (
+    array_of,
+    choice,
+    column_or_matrix,
+    frozen,
+    instance,
+    number,
+    several,
+    whole,
+)
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
+from tpsim.manifold.manifold import Manifold
 
 # Steps back from a cell (i, j), in the order in which a tie is decided: the diagonal first,
 # so that the path is as short as possible.
@@ -51,7 +61,13 @@ class Warp:
         return np.bincount(i, weights=j) / np.bincount(i)
 
 
-def dtw(reference: ArrayLike, other: ArrayLike, *, band: float | None = None) -> Warp:
+def dtw(
+    reference: ArrayLike,
+    other: ArrayLike,
+    *,
+    band: float | None = None,
+    manifold: Manifold | None = None,
+) -> Warp:
     """Match two sequences in time by dynamic programming (Section 5.2, [Sakoe and Chiba 1978]).
 
     Parameters
@@ -63,6 +79,8 @@ def dtw(reference: ArrayLike, other: ArrayLike, *, band: float | None = None) ->
     band : float, optional
         Matched indices differ by ``max(band, |T - T'|)`` samples at most. Without it, any.
         Memory and time are those of the cells inside the band.
+    manifold : Manifold, optional
+        On which the sequences live; distances are then the lengths of the shortest ways.
 
     Returns
     -------
@@ -82,11 +100,14 @@ def dtw(reference: ArrayLike, other: ArrayLike, *, band: float | None = None) ->
             f"reference has {x.shape[1]} variables and other has {y.shape[1]}; "
             "give both the same columns"
         )
+    if manifold is not None:
+        kind = instance("manifold", manifold, Manifold, "such as R(3) * S3")
+        x, y = kind.points("reference", x), kind.points("other", y)
     longest = max(len(x), len(y))
     if band is not None:
         band = min(int(number("band", band, least=0)), longest)
     width = longest if band is None else max(band, abs(len(x) - len(y)))
-    diagonals, cost = _accumulate(x, y, width)
+    diagonals, cost = _accumulate(x, y, width, manifold)
     return Warp(_trace_back(diagonals), cost)
 
 
@@ -183,7 +204,9 @@ Diagonal = tuple[int, np.ndarray]
 """First row i of the cells on an antidiagonal i + j = k, and the step taken into each of them."""
 
 
-def _accumulate(x: np.ndarray, y: np.ndarray, width: int) -> tuple[list[Diagonal], float]:
+def _accumulate(
+    x: np.ndarray, y: np.ndarray, width: int, manifold: Manifold | None = None
+) -> tuple[list[Diagonal], float]:
     """Steps taken into every cell and total cost; one antidiagonal i + j = k at a time.
 
     Only cells with |i - j| <= width are touched, and only two antidiagonals of costs are kept.
@@ -200,7 +223,8 @@ def _accumulate(x: np.ndarray, y: np.ndarray, width: int) -> tuple[list[Diagonal
         # Back by (1, 1), (0, 1), (1, 0) from row i: rows i - 1, i and i - 1, shifted by the border.
         ways = np.stack([before[i], last[low + 1 : high + 2], last[i]])
         best = ways.argmin(0).astype(np.int8)
-        apart = x[i] - y[k - high : k - low + 1][::-1]
+        matched = y[k - high : k - low + 1][::-1]
+        apart = x[i] - matched if manifold is None else manifold.work.log(x[i], matched)
         now[low] = now[high + 2] = np.inf
         now[low + 1 : high + 2] = np.sqrt(np.einsum("nd,nd->n", apart, apart)) + ways.min(0)
         diagonals.append((low, best))

@@ -160,7 +160,7 @@ def fit(seen: Seen, components: int, options: Options) -> Fit:
     structure = structure_of(options.covariance)
     components = whole("components", components, least=1)
     generator("rng", options.rng, 0)
-    _check_samples(seen.views, components)
+    check_samples(seen.views, components)
     time = seen.time(options.time)
     samples = Samples(seen.views)
     if samples.count <= MANY or isinstance(options.start, tuple):
@@ -199,7 +199,7 @@ def _starts(
     if isinstance(options.start, tuple):
         yield _begun(_given(options.start, components, samples), samples, structure, options)
         return
-    for labels in _labellings(views, time, components, options):
+    for labels in labellings(views, time, components, options):
         one_hot = (labels[:, None] == np.arange(components)).astype(float)
         parts = samples.moments(one_hot)
         limits = regularisation(samples, options.ridge, parts)
@@ -215,7 +215,7 @@ def _begun(
     return project(mixture, structure, limits), limits
 
 
-def _labellings(
+def labellings(
     views: Sequence[np.ndarray], time: np.ndarray, components: int, options: Options
 ) -> Iterator[np.ndarray]:
     """Labels (N,) that share the samples out among the components."""
@@ -242,7 +242,8 @@ def _given(
     return Mixture.of(np.maximum(priors, np.finfo(float).tiny), frames, samples)
 
 
-def _check_samples(views: Sequence[np.ndarray], components: int) -> None:
+def check_samples(views: Sequence[np.ndarray], components: int) -> None:
+    """Raise an ArgumentError where too few samples differ for so many components."""
     count = len(views[0])
     if count < 2:
         raise ArgumentError(f"{count} sample was given; a Gaussian needs at least 2")

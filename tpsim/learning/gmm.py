@@ -22,7 +22,9 @@ from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian, match_moments
 from tpsim.learning.fit import Options, Start, fit, seen_as_data
+from tpsim.learning.fit_on import fit_on
 from tpsim.learning.subspace import FULL, Structure
+from tpsim.manifold.manifold import Manifold
 
 NONE = frozen(np.empty(0))
 
@@ -30,6 +32,8 @@ NONE = frozen(np.empty(0))
 @dataclass(frozen=True, eq=False)
 class GMM(Stored):
     """Gaussian mixture model, one mixture for every leading axis of its Gaussians.
+
+    On R^n, or on a manifold where its Gaussians are.
 
     Parameters
     ----------
@@ -103,8 +107,9 @@ class GMM(Stored):
     def log_joint(self, x: ArrayLike) -> np.ndarray:
         """Log of prior times density of ``x`` (..., D) for every component, (..., K)."""
         x = finite_array("x", x)
-        if x.shape[-1:] != (self.dim,):
-            raise ArgumentError(f"x has shape {x.shape}; its last axis must be D = {self.dim}")
+        width = self.gaussians.mean.shape[-1]
+        if x.shape[-1:] != (width,):
+            raise ArgumentError(f"x has shape {x.shape}; its last axis must be D = {width}")
         return log_priors(self.priors) + self.gaussians.log_density(x[..., None, :])
 
     def log_likelihood(self, x: ArrayLike) -> np.ndarray:
@@ -141,6 +146,7 @@ def fit_gmm(
     max_iterations: int = 100,
     restarts: int = 0,
     time: ArrayLike | None = None,
+    manifold: Manifold | None = None,
     rng: Seed = None,
 ) -> GMM:
     """Fit a Gaussian mixture by expectation-maximisation, Eqs (49-52).
@@ -150,7 +156,7 @@ def fit_gmm(
     data : (N, D) array, sequence of (T_m, D) arrays, or Demonstrations
         Samples, or several sequences of them, of unequal length if need be; of demonstrations
         their ``data``.
-    components, covariance, start, ridge, tolerance, max_iterations, restarts, time, rng
+    components, covariance, start, ridge, tolerance, max_iterations, restarts, time, manifold, rng
         As in :func:`tpsim.learning.tp_gmm.fit_tp_gmm`, with one frame.
 
     Returns
@@ -165,7 +171,12 @@ def fit_gmm(
     if isinstance(start, GMM):
         start = start.priors, (start.gaussians,)
     options = Options(covariance, start, ridge, tolerance, max_iterations, restarts, time, rng)
-    fitted = fit(seen_as_data(data), components, options)
+    seen = seen_as_data(data)
+    fitted = (
+        fit(seen, components, options)
+        if manifold is None
+        else fit_on(manifold, seen, components, options)
+    )
     return GMM(
         fitted.priors, fitted.frames[0], fitted.history, fitted.samples.count, fitted.structure
     )

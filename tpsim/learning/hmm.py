@@ -4,7 +4,7 @@ The tutorial names them as alternatives to a mixture (Section 5.2, its footnote 
 states, and demo_trajHSMM01); the equations are those of L. R. Rabiner, Proc. IEEE 77(2), 1989.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
 
@@ -12,26 +12,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import Seed, bound, choice, frozen_array, generator, matrix, whole
+from tpsim.checks import Seed, frozen_array, generator, matrix
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
-from tpsim.learning.em import Mixture, maximise, project, regularisation
-from tpsim.learning.fit import Seen, Start, seen_as_data, seen_by_frames
-from tpsim.learning.gmm import GMM, fit_gmm, log_priors
+from tpsim.learning.fit import Start
+from tpsim.learning.fit_states import Chain, Emissions, Sequences, fit_states
+from tpsim.learning.gmm import log_priors
 from tpsim.learning.markov import MarkovChain, Topology
-from tpsim.learning.semi_markov import SemiMarkovChain
-from tpsim.learning.statistics import Samples
-from tpsim.learning.subspace import Structure, structure_of
-from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
+from tpsim.learning.subspace import Structure
+from tpsim.learning.tp_gmm import TPGMM
+from tpsim.manifold.manifold import Manifold
 from tpsim.timeline import check_even
 
 FARTHEST = 1e12  # [nats]: beyond it the digits of a log density are below one
-
-Chain = MarkovChain | SemiMarkovChain
-Emissions = GMM | TPGMM
-Sequences = Demonstration | Sequence[Demonstration] | Sequence[ArrayLike]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +85,8 @@ class HiddenStates(Stored):
         if isinstance(emissions, TPGMM):
             joint = emissions.log_joint(observations)
         else:
-            joint = emissions.log_joint(matrix("observations", observations, emissions.dim))
+            width = emissions.gaussians.mean.shape[-1]
+            joint = emissions.log_joint(matrix("observations", observations, width))
         if not np.abs(joint).max() < FARTHEST:
             raise ArgumentError("observations are far from all states; check unit and origin")
         return joint - log_priors(emissions.priors)
@@ -148,6 +144,7 @@ def fit_hmm(
     ridge: float | None = None,
     tolerance: float = 1e-5,
     max_iterations: int = 100,
+    manifold: Manifold | Sequence[Manifold] | None = None,
     rng: Seed = None,
 ) -> HMM:
     """Fit a hidden Markov model by EM (Baum-Welch).
@@ -167,7 +164,7 @@ def fit_hmm(
         As in :func:`tpsim.learning.tp_gmm.fit_tp_gmm`.
     start : str, GMM or TPGMM, optional
         A mixture to begin with as it is, or how to fit one first.
-    ridge, tolerance, max_iterations, rng
+    ridge, tolerance, max_iterations, manifold, rng
         As in :func:`tpsim.learning.tp_gmm.fit_tp_gmm`.
 
     Returns
@@ -191,109 +188,7 @@ def fit_hmm(
             ridge=ridge,
             tolerance=tolerance,
             max_iterations=max_iterations,
+            manifold=manifold,
             rng=rng,
         )
     )
-
-
-def fit_states(
-    sequences: Sequences,
-    components: int,
-    chain_of: Callable[[int, Topology, float], Chain],
-    *,
-    topology: Topology,
-    covariance: str | Structure,
-    start: Start | Emissions,
-    ridge: float | None,
-    tolerance: float,
-    max_iterations: int,
-    rng: Seed,
-) -> tuple[Chain, Emissions, np.ndarray]:
-    """EM for either chain and either kind of emissions; see :func:`fit_hmm`.
-
-    ``chain_of(components, topology, stay)`` makes the chain to begin with.
-    """
-    choice("topology", topology, ("left-right", "any"))
-    tolerance = bound("tolerance", tolerance)
-    max_iterations = whole("max_iterations", max_iterations)
-    components = whole("components", components, least=1)
-    if not isinstance(start, Emissions):
-        start = _mixture(sequences, components, covariance, start, ridge, rng)
-    seen = _seen(sequences, components, start)
-    views, lengths = seen.views, seen.lengths
-    chain = chain_of(components, topology, sum(lengths) / len(lengths) / components)
-    if topology == "left-right":
-        start = _in_order(start, views, lengths)
-    structure, samples = structure_of(covariance), Samples(views)
-    mixture = Mixture.of(np.maximum(start.priors, np.finfo(float).tiny), _frames(start), samples)
-    _, parts = samples.expectation(mixture.priors, mixture.components)
-    limits = regularisation(samples, ridge, parts)
-    mixture = project(mixture, structure, limits)
-    history: list[float] = []
-    while True:
-        densities = np.split(samples.log_densities(mixture.components), np.cumsum(lengths)[:-1])
-        found = chain.expectation(densities)
-        history.append(found.log_likelihood.sum() / samples.count)
-        converged = len(history) > 1 and history[-1] - history[-2] < tolerance
-        if converged or len(history) > max_iterations:
-            break
-        moments = samples.moments(np.concatenate(found.responsibilities))
-        mixture = maximise(moments, mixture, structure, limits)
-        chain = chain.maximised(found)
-    model = _emissions(type(start), mixture.priors, mixture.frames(samples))
-    return chain, replace(model, samples=samples.count, structure=structure), np.array(history)
-
-
-def _mixture(
-    sequences: Sequences,
-    components: int,
-    covariance: str | Structure,
-    start: Start,
-    ridge: float | None,
-    rng: Seed,
-) -> Emissions:
-    """Mixture to begin with, fitted to the same samples."""
-    fit = fit_tp_gmm if _have_views(sequences) else fit_gmm
-    return fit(sequences, components, covariance=covariance, start=start, ridge=ridge, rng=rng)
-
-
-def _have_views(sequences: Sequences) -> bool:
-    """Whether these are demonstrations with something that their frames saw."""
-    some = sequences if isinstance(sequences, list | tuple) else [sequences]
-    return bool(some) and all(isinstance(s, Demonstration) and s.observations for s in some)
-
-
-def _seen(sequences: Sequences, components: int, start: Emissions) -> Seen:
-    """Samples (N, d_j) as the emissions see them, and the lengths of the sequences."""
-    tp = isinstance(start, TPGMM)
-    seen = seen_by_frames(sequences) if tp else seen_as_data(sequences)
-    if seen.stamps is not None:
-        check_even("demonstration", seen.stamps)
-    expected = [(components, view.shape[-1]) for view in seen.views]
-    given = [gaussian.mean.shape for gaussian in _frames(start)]
-    if given != expected:
-        raise ArgumentError(
-            f"start has means of shapes {given}, the sequences of lengths {seen.lengths} ask for "
-            f"{expected}; give components, sequences and start that fit together"
-        )
-    return seen
-
-
-def _frames(emissions: Emissions) -> tuple[Gaussian, ...]:
-    return emissions.frames if isinstance(emissions, TPGMM) else (emissions.gaussians,)
-
-
-def _emissions(kind: type, priors: np.ndarray, frames: Sequence[Gaussian]) -> Emissions:
-    return TPGMM(priors, tuple(frames)) if kind is TPGMM else GMM(priors, frames[0])
-
-
-def _in_order(start: Emissions, views: list[np.ndarray], lengths: list[int]) -> Emissions:
-    """The same mixture with its components ordered by their mean time."""
-    if isinstance(start, TPGMM):
-        h = start.responsibilities(views)
-    else:
-        h = start.responsibilities(views[0])
-    progress = np.concatenate([np.linspace(0.0, 1.0, length) for length in lengths])
-    order = np.argsort(progress @ h / h.sum(0), kind="stable")
-    frames = [gaussian[order] for gaussian in _frames(start)]
-    return _emissions(type(start), start.priors[order], frames)

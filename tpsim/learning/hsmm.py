@@ -4,12 +4,16 @@ After S.-Z. Yu, "Hidden semi-Markov models", Artificial Intelligence 174, 2010; 
 demo_trajHSMM01.
 """
 
+from collections.abc import Sequence
+
 from tpsim.checks import Seed, number
 from tpsim.learning.fit import Start
-from tpsim.learning.hmm import Emissions, HiddenStates, Sequences, fit_states
+from tpsim.learning.fit_states import Emissions, Sequences, fit_states
+from tpsim.learning.hmm import HiddenStates
 from tpsim.learning.markov import Topology
 from tpsim.learning.semi_markov import SemiMarkovChain
 from tpsim.learning.subspace import Structure
+from tpsim.manifold.manifold import Manifold
 
 
 class HSMM(HiddenStates):
@@ -44,6 +48,7 @@ def fit_hsmm(
     ridge: float | None = None,
     tolerance: float = 1e-5,
     max_iterations: int = 100,
+    manifold: Manifold | Sequence[Manifold] | None = None,
     rng: Seed = None,
 ) -> HSMM:
     """Fit a hidden semi-Markov model by EM over all segmentations of the sequences.
@@ -59,7 +64,7 @@ def fit_hsmm(
     duration_spread : float
         The standard deviation of a duration is never below this share of the mean stay T / K:
         a handful of demonstrations says little about it.
-    covariance, start, ridge, tolerance, max_iterations, rng
+    covariance, start, ridge, tolerance, max_iterations, manifold, rng
         As in :func:`fit_hmm`.
 
     Returns
@@ -95,6 +100,7 @@ def fit_hsmm(
             ridge=ridge,
             tolerance=tolerance,
             max_iterations=max_iterations,
+            manifold=manifold,
             rng=rng,
         )
     )

@@ -8,16 +8,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import Seed, entries, frozen_array, instance, several, whole
+from tpsim.checks import Seed, frozen_array, several, whole
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
 from tpsim.learning.fit import Options, Start, Views, fit, seen_by_frames
+from tpsim.learning.fit_on import fit_on
 from tpsim.learning.free_movement import Relevance
 from tpsim.learning.gmm import GMM, checked_priors, log_priors, log_sum, posterior
 from tpsim.learning.moments import Memory
-from tpsim.learning.product import checked_uncertainty, product_of_frames, product_with_ridge
+from tpsim.learning.product import (
+    checked_frames,
+    checked_uncertainty,
+    product_of_frames,
+    product_with_ridge,
+)
+from tpsim.learning.product_on import product_on
 from tpsim.learning.subspace import FULL, Structure
+from tpsim.manifold.manifold import Manifold
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +95,10 @@ class TPGMM(Stored):
         """Local dimension d_j of every frame."""
         return tuple(frame.dim for frame in self.frames)
 
+    @cached_property
+    def _on_manifolds(self) -> bool:
+        return any(type(frame) is not Gaussian for frame in self.frames)
+
     @property
     def precisions(self) -> tuple[np.ndarray, ...]:
         """Precision (K, d_j, d_j) that every frame brings to control: of what matters in it.
@@ -119,7 +131,8 @@ class TPGMM(Stored):
         Parameters
         ----------
         frames : sequence of P Frame or None
-            None where a frame is not observed. Moving frames have leading axes (T,).
+            None where a frame is not observed. Moving frames have leading axes (T,). On manifolds
+            rigid motions, see :meth:`Manifold.frame`.
         ridge : float, optional
             Add rho I to every A Sigma A' instead, as the tutorial's own code does (1e-4); every
             frame then claims to know every direction.
@@ -140,7 +153,11 @@ class TPGMM(Stored):
             Frames of wrong number or shape, all of them None, or a direction that no frame
             determines; the message names it.
         """
-        frames = self._checked_frames(frames, prior)
+        if self._on_manifolds:
+            if uncertainty is not None:
+                raise ArgumentError("uncertainty is of frames in R^n; the model is on manifolds")
+            return GMM.trusted(self.priors, product_on(self.frames, frames, ridge, prior))
+        frames = checked_frames(frames, self.dims, prior)
         unsure = checked_uncertainty(uncertainty, frames, self.components)
         if ridge is not None:
             gaussians = product_with_ridge(self.frames, frames, ridge, prior, unsure)
@@ -151,10 +168,11 @@ class TPGMM(Stored):
     def log_joint(self, observations: object) -> np.ndarray:
         """Log of prior times densities in all frames for every component, (N, K)."""
         views = seen_by_frames(observations).views
-        shapes = [view.shape for view in views]
-        if tuple(shape[1] for shape in shapes) != self.dims:
+        widths = [frame.mean.shape[-1] for frame in self.frames]
+        if [view.shape[1] for view in views] != widths:
             raise ArgumentError(
-                f"observations have shapes {shapes}; the model's frames see {list(self.dims)}"
+                f"observations have shapes {[view.shape for view in views]}; the model's frames "
+                f"have dimensions {widths}"
             )
         seen = zip(self.frames, views, strict=True)
         return log_priors(self.priors) + sum(one.log_density(view[:, None]) for one, view in seen)
@@ -183,42 +201,6 @@ class TPGMM(Stored):
         """Remembered, since adaptation runs in control loops."""
         return {}
 
-    def _checked_frames(
-        self, frames: Sequence[Frame | None], prior: Gaussian | None
-    ) -> list[Frame | None]:
-        given = [frames] if isinstance(frames, Frame) else entries("frames", frames, tables=False)
-        if len(given) != len(self.frames):
-            raise ArgumentError(
-                f"{len(given)} frames were given; the model has {len(self.frames)} (None where "
-                "one is not observed)"
-            )
-        dims = {instance("prior", prior, Gaussian).dim} if prior is not None else set()
-        moving: set[tuple[int, ...]] = set()
-        found: list[Frame | None] = []
-        for j, (frame, d) in enumerate(zip(given, self.dims, strict=True)):
-            if frame is None:
-                found.append(None)
-                continue
-            if not isinstance(frame, Frame):
-                frame = instance(f"frame {j}", frame, Frame, "give Frame(A, b)")
-            found.append(frame)
-            *leading, D, local = frame.A.shape
-            if local != d:
-                raise ArgumentError(
-                    f"frame {j} has A of shape {frame.A.shape}; the model asks for (..., D, {d})"
-                )
-            dims.add(D)
-            if leading:
-                moving.add(tuple(leading))
-        if len(dims) != 1:
-            raise ArgumentError(
-                f"the frames lead to common dimensions {sorted(dims)}; at least one frame must "
-                "be given, and all must agree"
-            )
-        if len(moving) > 1:
-            raise ArgumentError(f"the frames move in steps of {sorted(moving)}; all must agree")
-        return found
-
 
 def fit_tp_gmm(
     demonstrations: Views,
@@ -231,6 +213,7 @@ def fit_tp_gmm(
     max_iterations: int = 100,
     restarts: int = 0,
     time: ArrayLike | None = None,
+    manifold: Manifold | Sequence[Manifold] | None = None,
     rng: Seed = None,
 ) -> TPGMM:
     """Fit a task-parameterized Gaussian mixture by EM, Eqs (49-52), or (57-68) in subspaces.
@@ -263,6 +246,9 @@ def fit_tp_gmm(
     time : (N,), optional
         Time of every sample for the start in time. Default: by the stamps of each demonstration;
         for arrays a first column that all frames share, else the order of the rows.
+    manifold : Manifold or sequence of P Manifold, optional
+        On which the observations live, such as ``R(3) * S3``, of all frames or of each; by
+        default R^n. Components then are :class:`~tpsim.RiemannianGaussian`.
     rng : numpy Generator or seed, optional
         Draws the k-means seeds; default a fixed seed, so that the same data give the same model.
 
@@ -288,6 +274,10 @@ def fit_tp_gmm(
     if isinstance(start, TPGMM):
         start = start.priors, start.frames
     options = Options(covariance, start, ridge, tolerance, max_iterations, restarts, time, rng)
+    if manifold is not None:
+        found = fit_on(manifold, seen, components, options)
+        count = found.samples.count
+        return TPGMM(found.priors, found.frames, found.history, count, found.structure)
     fitted = fit(seen, components, options)
     return TPGMM(
         fitted.priors,

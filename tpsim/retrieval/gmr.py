@@ -35,7 +35,7 @@ def gmr(
     inputs
         (T, I) values of the given dimensions, or (T,) when there is one.
     given
-        The I input dimensions, or one.
+        The I input dimensions, or one; on a manifold columns, all those of a curved factor.
     of
         The O output dimensions; all others by default.
     ridge
@@ -139,6 +139,10 @@ class Regression(Stored):
         The ridge of Eq. 8 goes to every component, which adds it once to their weighted sum.
         """
         instance("gmm", gmm, GMM, "adapt(frames) makes one of a task-parameterized model")
+        if type(gmm.gaussians) is not Gaussian:
+            from tpsim.retrieval.gmr_on import RiemannianRegression
+
+            return RiemannianRegression.of(gmm, given, of, ridge=ridge)
         mean, covariance = gmm.gaussians.mean, gmm.gaussians.covariance
         inputs, order = _order(mean.shape[-1], given, of)
         if order is not None:

@@ -25,7 +25,9 @@ from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian, add_ridge, inverse_spd, match_moments
 from tpsim.learning.gmm import GMM
+from tpsim.learning.product_on import product_on
 from tpsim.learning.tp_gmm import TPGMM
+from tpsim.manifold.gaussian import RiemannianGaussian
 from tpsim.retrieval.fusion import fuse_frames
 from tpsim.retrieval.gmr import Regression, gmr
 
@@ -81,6 +83,8 @@ def tp_gmr(
     inputs = finite_array("inputs", inputs)
     if inputs.ndim not in (1, 2) or not inputs.size:
         raise ArgumentError(f"inputs have shape {inputs.shape}; give (T, {len(given)}), T >= 1")
+    if any(type(local) is not Gaussian for local in tpgmm.frames):
+        return _on_manifolds(tpgmm, frames, inputs, given, order, ridge)
     if order == "product":
         lifted = [
             frame if frame is None or frame.local_dim == d else _lift(frame, given)
@@ -92,6 +96,28 @@ def tp_gmr(
     views = [Regression.of(GMM(tpgmm.priors, local), given) for _, local in seen]
     path = match_moments(*_fused(*at_equal_input(views, inputs, order), observed))
     return Gaussian.trusted(path.mean, add_ridge(path.covariance, ridge)) if ridge else path
+
+
+def _on_manifolds(
+    tpgmm: TPGMM,
+    frames: Sequence[Frame | None],
+    inputs: NDArray,
+    given: Sequence[int],
+    order: Order,
+    ridge: float,
+) -> Gaussian:
+    """The same on manifolds: rigid motions of the outputs, products by Gauss-Newton."""
+    if order not in ("regression", "product"):
+        raise ArgumentError(f"order is {order!r}; on manifolds give 'regression' or 'product'")
+    if order == "product":
+        return gmr(tpgmm.adapt(frames), inputs, tuple(given), ridge=ridge)
+    views = [gmr(GMM(tpgmm.priors, local), inputs, tuple(given)) for local in tpgmm.frames]
+    moving = any(frame is not None and frame.shape for frame in frames)
+    path = product_on([view[:, None] for view in views] if moving else views, frames, None, None)
+    if moving:
+        path = path[:, 0]
+    covariance = add_ridge(path.covariance, ridge)
+    return RiemannianGaussian.trusted_on(path.manifold, path.mean, covariance)
 
 
 def at_equal_input(

@@ -1,0 +1,87 @@
+"""Product over frames on manifolds (Eqs 5-6): rigid motions, then Gauss-Newton to common means."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from tpsim.checks import entries, instance, number
+from tpsim.errors import ArgumentError
+from tpsim.frame import Frame
+from tpsim.gaussian import Gaussian
+from tpsim.manifold.gaussian import RiemannianGaussian
+from tpsim.manifold.manifold import Manifold
+from tpsim.manifold.product import fused
+
+
+def product_on(
+    local: Sequence[Gaussian],
+    frames: Sequence[Frame | None],
+    ridge: float | None,
+    prior: Gaussian | None,
+) -> RiemannianGaussian:
+    """Gaussians (..., K) on the manifold of common coordinates, for frames (P) as they are now."""
+    members = _observed(local, frames)
+    manifold, means, precisions = _placed(members)
+    if ridge is not None:
+        covariances = np.linalg.inv(precisions) + number("ridge", ridge, above=0) * np.eye(
+            manifold.dim
+        )
+        precisions = np.linalg.inv(covariances)
+    if prior is not None:
+        if getattr(prior, "manifold", None) != manifold:
+            raise ArgumentError(f"prior is not on the manifold of the frames, {manifold}")
+        own = np.broadcast_to(prior.mean, means.shape[1:])[None]
+        means = np.concatenate([means, own])
+        own = np.broadcast_to(prior.precision, precisions.shape[1:])[None]
+        precisions = np.concatenate([precisions, own])
+    return RiemannianGaussian.trusted_on(manifold, *fused(manifold, means, precisions))
+
+
+def _observed(
+    local: Sequence[Gaussian], frames: Sequence[Frame | None]
+) -> list[tuple[RiemannianGaussian, Frame]]:
+    """Gaussians of the frames that are observed, on one manifold."""
+    given = [frames] if isinstance(frames, Frame) else entries("frames", frames, tables=False)
+    if len(given) != len(local):
+        raise ArgumentError(
+            f"{len(given)} frames were given; the model has {len(local)} (None where one is not "
+            "observed)"
+        )
+    found = [
+        (gaussian, instance(f"frame {j}", frame, Frame, "give Frame(A, b)"))
+        for j, (frame, gaussian) in enumerate(zip(given, local, strict=True))
+        if frame is not None
+    ]
+    kinds = dict.fromkeys(str(getattr(g, "manifold", f"R({g.dim})")) for g, _ in found)
+    if len(kinds) != 1:
+        raise ArgumentError(
+            f"the frames lead to {', '.join(kinds) or 'nothing'}; at least one frame must be "
+            "given, and all must lead to one manifold"
+        )
+    return [
+        (gaussian, frame) for gaussian, frame in found if isinstance(gaussian, RiemannianGaussian)
+    ]
+
+
+def _placed(
+    members: Sequence[tuple[RiemannianGaussian, Frame]],
+) -> tuple[Manifold, np.ndarray, np.ndarray]:
+    """Means (P, ..., K, width) and precisions (P, ..., K, dim, dim) in common coordinates."""
+    manifold = members[0][0].manifold
+    # All frames at once: for matrices so small, every call costs more than what it computes.
+    try:
+        A = np.array(np.broadcast_arrays(*(frame.A for _, frame in members)))
+        b = np.array(np.broadcast_arrays(*(frame.b for _, frame in members)))
+    except ValueError as error:
+        raise ArgumentError(f"the frames have different shapes or steps ({error})") from error
+    moved = manifold.frame(Frame.trusted(A, b))
+    A, b = moved.A[..., None, :, :], moved.b[..., None, :]
+    local = np.array([g.mean for g, _ in members])
+    room = (1,) * (b.ndim - local.ndim)
+    local = local.reshape(len(local), *room, *local.shape[1:])
+    precision = np.array([g.precision for g, _ in members])
+    precision = precision.reshape(len(precision), *room, *precision.shape[1:])
+    mean = (A @ local[..., None])[..., 0] + b
+    turn = manifold.work.turned(A, local, mean)
+    back = turn.mT if manifold.work.rigid(A) else np.linalg.inv(turn)
+    return manifold, mean, back.mT @ precision @ back

@@ -1,0 +1,117 @@
+"""Gaussian mixture regression on manifolds, in tangent spaces at the components' means."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tpsim.border import unchecked
+from tpsim.checks import number
+from tpsim.errors import ArgumentError
+from tpsim.gaussian import Dimensions, Gaussian, add_ridge
+from tpsim.learning.gmm import GMM
+from tpsim.manifold.gaussian import RiemannianGaussian, carried, split
+from tpsim.manifold.manifold import Manifold
+from tpsim.manifold.product import mixed
+from tpsim.retrieval.gmr import Regression
+
+
+@dataclass(frozen=True, eq=False)
+class RiemannianRegression(Regression):
+    """A mixture on a manifold split in inputs and outputs (Eq. 12), as :class:`Regression`.
+
+    Inputs count by their tangent vectors at the components' input means; what they explain is a
+    tangent vector at the output means, along which these move (Eq. 14) and carry their
+    covariances (Eq. 15). One Gaussian of all of them (Eqs 17-19) is about the point at which their
+    weighted tangent vectors sum to zero.
+
+    Attributes
+    ----------
+    inputs, outputs : Manifold
+    """
+
+    inputs: Manifold
+    outputs: Manifold
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+
+    @classmethod
+    def of(
+        cls,
+        gmm: GMM,
+        given: Dimensions = (0,),
+        of: Dimensions | None = None,
+        *,
+        ridge: float = 0.0,
+    ) -> RiemannianRegression:
+        """Split a mixture in the columns given and those to predict, Eqs 12, 14, 15."""
+        gaussians = gmm.gaussians
+        assert isinstance(gaussians, RiemannianGaussian)
+        inputs, outputs = split(gaussians.manifold, given, of)
+        rows = np.concatenate([inputs.rows, outputs.rows])
+        tangent = Gaussian.trusted(
+            np.zeros((*gaussians.mean.shape[:-1], len(rows))),
+            gaussians.covariance[..., rows[:, None], rows],
+        )
+        # In the tangent spaces it is the regression of R^n.
+        plain = Regression.of(GMM.trusted(gmm.priors, tangent), tuple(range(len(inputs.rows))))
+        covariance = plain.covariance
+        if ridge:
+            covariance = add_ridge(covariance, number("ridge", ridge, least=0))
+        return unchecked(
+            cls,
+            input_mean=gaussians.mean[..., inputs.columns],
+            output_mean=gaussians.mean[..., outputs.columns],
+            linear=plain.linear,
+            covariance=covariance,
+            log_scale=plain.log_scale,
+            inputs=inputs.manifold,
+            outputs=outputs.manifold,
+        )
+
+    def __call__(self, inputs: ArrayLike) -> RiemannianGaussian:
+        """Single Gaussian at inputs (..., I), Eqs 17-19."""
+        weights, modes = self.mixture(inputs)
+        return RiemannianGaussian.trusted_on(
+            self.outputs, *mixed(self.outputs, weights, modes.mean, modes.covariance)
+        )
+
+    def at(self, point: ArrayLike) -> RiemannianGaussian:
+        """Single Gaussian at one input (I,)."""
+        if self.input_mean.ndim != 2:
+            raise ArgumentError(
+                f"at() takes a mixture without leading axes; got {self.input_mean.shape[:-2]}"
+            )
+        return self(np.reshape(self.inputs.points("point", point), -1))
+
+    def mixture(self, inputs: ArrayLike) -> tuple[NDArray, RiemannianGaussian]:
+        """All modes at inputs (..., I), Eq. 13: weights (..., K) and Gaussian (..., K)."""
+        weights, shift = self._components(inputs)
+        means = self.outputs.work.exp(self.output_mean, shift)
+        covariance = carried(self.outputs, self.output_mean, means, self.covariance)
+        shape = (*means.shape[:-1], *covariance.shape[-2:])
+        return weights, RiemannianGaussian.trusted_on(
+            self.outputs, means, np.broadcast_to(covariance, shape)
+        )
+
+    def _components(self, inputs: ArrayLike) -> tuple[NDArray, NDArray]:
+        size = self.linear.shape[-1]
+        points = np.asarray(inputs, float) if not isinstance(inputs, np.ndarray) else inputs
+        if self.inputs.width == 1 and points.ndim <= 1:
+            points = points[..., None] if points.shape != (1,) else points
+        points = self.inputs.points("inputs", points)
+        lead = self.input_mean.shape[:-2]
+        if lead and points.shape[:-1] != lead:
+            raise ArgumentError(
+                f"inputs {points.shape} do not fit a mixture with leading axes {lead}"
+            )
+        offset = self.inputs.work.log(self.input_mean, points[..., None, :])
+        moved = np.matmul(self.linear, offset[..., None])[..., 0]
+        white = moved[..., :size]
+        log_weight = self.log_scale - 0.5 * np.vecdot(white, white)
+        weights = np.exp(log_weight - np.maximum.reduce(log_weight, -1, keepdims=True))
+        weights /= np.add.reduce(weights, -1, keepdims=True)
+        return weights, moved[..., size:]

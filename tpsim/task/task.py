@@ -18,7 +18,7 @@ from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.robot.views.observe import observe
 from tpsim.robot.views.view import View
 from tpsim.world.impedance import Controller
-from tpsim.world.object_path import ObjectPath
+from tpsim.world.object_path import ObjectPath, put_objects
 from tpsim.world.teaching import Teacher
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
@@ -216,6 +216,7 @@ def draw_situation(
             found = instance("draw(world, rng)", draw(world, rng), Situation)
             start = np.array(found.start)
             simulation.reset(start)
+            put_objects(found.objects, simulation)
         except SimulationError as error:
             why = str(error)
             continue

@@ -4,6 +4,7 @@ import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -166,6 +167,13 @@ class MovingObjects:
         positions, quaternions = self._mocap
         positions[:], quaternions[:] = self._positions[step], self._quaternions[step]
         self.now = self._at(step)
+
+
+def put_objects(paths: Sequence[ObjectPath], simulation: Simulation) -> None:
+    """Put objects where their paths begin, and look what touches then."""
+    if paths:
+        MovingObjects(paths, simulation).act(0)
+        mujoco.mj_forward(simulation.model, simulation.data)
 
 
 def _twists(positions: np.ndarray, quaternions: np.ndarray, timestep: float) -> np.ndarray | None:

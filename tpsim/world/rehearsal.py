@@ -8,6 +8,7 @@ import pinocchio as pin
 from tpsim.border import border, checked
 from tpsim.errors import SimulationError
 from tpsim.robot.state import State
+from tpsim.world.object_path import put_objects
 from tpsim.world.people.demonstrator import TeacherName
 from tpsim.world.people.guide import Guide
 from tpsim.world.teaching import Lesson, Teacher
@@ -107,7 +108,8 @@ def hindrance(world: World, lesson: Lesson) -> str:
             return "a joint comes near its limit"
         if count % CONTACT_STRIDE == 0:
             simulation.reset(q)
-            if simulation.data.ncon:
+            put_objects(lesson.objects, simulation)
+            if simulation.touches:
                 return f"{simulation.touching} touch"
     return ""
 

@@ -201,7 +201,18 @@ MEASURES = (
     Measure("unseen", whole=unseen, title="Trials in which a dock was never seen"),
     Measure("unreachable", whole=unreachable, title="Trials that ended out of reach"),
     health.DIVERGED,
-    health.CONTACTS,
+    replace(
+        health.CONTACTS,
+        whole=partial(health.contacts, label=("unpushed", "pushed")),
+        title="Trials in which the hand or its cube touched a dock, or anything else",
+    ),
+    replace(
+        health.CONTACTS,
+        name="contacts_far",
+        whole=partial(health.contacts, label=("far", "far pushed")),
+        limit=None,
+        title="The same, twice as far from what was taught",
+    ),
     health.INJECTED,
     health.realtime(8.0),
 )

@@ -17,6 +17,7 @@ from tpsim.catalogue.robots import find
 from tpsim.control.poses import SeenMovement
 from tpsim.controllers.finite_horizon import FiniteHorizon
 from tpsim.demonstration import Demonstration
+from tpsim.errors import SimulationError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.dtw import align
 from tpsim.learning.gmm import GMM
@@ -35,6 +36,7 @@ from tpsim.tasks.transfer import docks
 from tpsim.tasks.workplace import DEFAULT, size_for, size_of
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
 from tpsim.world.perception import Perception
+from tpsim.world.rehearsal import hindrance
 from tpsim.world.teaching import Lesson
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
@@ -142,9 +144,17 @@ class Transfer(Task):
         return fit_tp_gmm(timed, self.components, start="time")
 
     def situation(self, world: World, rng: np.random.Generator, far: bool = False) -> Situation:
-        """Draw docks, and a posture with the hand in the first one; ``far`` beyond the taught."""
+        """Draw docks, and a posture with the hand in the first one; ``far`` beyond the taught.
+
+        Far away not every draw can be carried out by anybody: one that the teacher's hand could
+        lead the arm through is asked for.
+        """
         placed = docks.draw(world.robot, rng, far)
         start = docks.start_posture(world, placed, rng)
+        if far:
+            why = hindrance(world, lesson_between(world, placed, start, rng, self.teacher))
+            if why:
+                raise SimulationError(f"the teacher cannot carry between these docks: {why}")
         return Situation(tuple(start), docks.at_rest(placed))
 
     def controller(self, world: World, models: Models, situation: Situation) -> FiniteHorizon:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from recipe import Book, Made
 
-from tpsim import Gaussian, lab
+from tpsim import Gaussian, SemiMarkovChain, lab
 from tpsim.control.poses import SeenMovement
 from tpsim.robot.objects import Objects
 from tpsim.robot.views.direction import Direction
@@ -542,7 +542,9 @@ def _control(book: Book) -> None:
         dt=0.05,
         effort=0.1,
         every=8,
+        chain=SemiMarkovChain.along(np.repeat([0, 1, 2], 3)),
     )
+    add("lab.Hold", lab.Hold, site="tip", start=0.5, duration=1.0, grip=lab.Grip())
     add("lab.Tank", lab.Tank, infinite=True, initial=1.0, capacity=2.0)
     add("lab.Tank.of", lab.Tank.of, robot=ROBOT)
     add("lab.Weightless", lab.Weightless, robot=ROBOT, damping=0.5, held=("elbow",), posture=START)

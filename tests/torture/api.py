@@ -38,11 +38,11 @@ FURTHER = {
 }
 """What public functions return, beside what the rooms name."""
 
-KINDS = ("Beneath", "CartesianImpedance", "ComputedTorque", "Direction", "Drag",
-         "FiniteHorizon",
+KINDS = ("Beneath", "CartesianImpedance", "ComputedTorque", "Direction", "Drag", "FiniteHorizon",
          "FixedImpedance", "Guide", "Handover", "Hold", "Joints", "Lead", "MinimalIntervention",
          "Objects", "Offset", "OnPath", "OperationalSpace", "Part", "Pursuit", "Push",
-         "RenewedImpedance", "SemiMarkovTracking", "Spare", "TimedIntervention", "View", "Weightless")  # fmt: skip
+         "RenewedImpedance", "SemiMarkovTracking", "Spare", "TimedIntervention", "View",
+         "Weightless")  # fmt: skip
 """Views, controllers and people."""
 
 INSIDE = {

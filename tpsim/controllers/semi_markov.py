@@ -25,6 +25,10 @@ from tpsim.world.impedance import Impedance
 Frames = Callable[[State], Sequence[Frame]]
 """Frames of a view's coordinates, as they are now."""
 
+STRAY, SLIP = 0.5, 0.5
+"""Share of the movement's usual speed by which a hand may be slower or faster without being held,
+and of what it moves in half a stay by which it may stray: it yields to whoever touches it."""
+
 REST = 20.0
 """Stiffness [1/s^2] with which joints that the view leaves open keep the posture of the start."""
 
@@ -114,9 +118,10 @@ class SemiMarkovTracking(RenewedImpedance):
         paces = np.arange(len(self._filter.pace.likely))
         means = np.tile(gaussians.mean, (len(paces), 1, 1))
         means[..., d:] *= paces[:, None, None]
-        covariances = np.broadcast_to(
-            gaussians.covariance, (len(paces), *gaussians.covariance.shape)
-        )
+        usual = np.sqrt(np.mean(np.sum(gaussians.mean[:, d:] ** 2, axis=1)))
+        half_stay = 0.5 * self._dt * self._filter.chain.durations.mean.mean()
+        stray = np.diag(np.repeat([STRAY * usual * half_stay, SLIP * usual], d) ** 2)
+        covariances = np.tile(gaussians.covariance + stray, (len(paces), 1, 1, 1))
         density = Gaussian.trusted(means, covariances).log_density(observed)[..., None]
         if self._belief is None:
             self._belief = self._filter.start(density)
@@ -131,15 +136,20 @@ class SemiMarkovTracking(RenewedImpedance):
         brake: np.ndarray,
         pull: np.ndarray,
     ) -> Impedance:
-        """Joint impedance of ``ddy = pull - spring (y' - y) - brake dy'``, the rest at rest."""
+        """Joint impedance of ``ddy = pull - spring (y' - y) - brake dy'``, the rest at rest.
+
+        What pulls is a reference that moves off from where the arm is: a spring that is bent
+        anew with every step would take its energy out of the tank for nothing.
+        """
         M = state.mass
         felt = np.linalg.pinv(J @ np.linalg.solve(M, J.T), rcond=1e-4, hermitian=True)
         lever = J.T @ felt
         null = M - lever @ J
         stiffness = lever @ spring @ J + REST * null
         damping = lever @ brake @ J + 2 * REST**0.5 * null
-        wanted = lever @ pull + REST * null @ (self._rest - state.q)
-        return Impedance(stiffness, damping, state.q + np.linalg.solve(stiffness, wanted))
+        way = np.linalg.solve(stiffness, REST * null @ (self._rest - state.q))
+        velocity = np.linalg.solve(damping, lever @ pull)
+        return Impedance(stiffness, damping, state.q + way, velocity)
 
 
 def _decided(chain: SemiMarkovChain, rng: Seed) -> SemiMarkovChain:

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tpsim.archive import Part
 from tpsim.border import Count, NotNegative, Positive, Steps, border
-from tpsim.checks import instance, number
+from tpsim.checks import affordable, entries, instance, number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.gmm import checked_priors, posterior
@@ -115,9 +116,8 @@ class SemiMarkovChain(Part):
         return cls(np.eye(len(stays))[0], np.eye(len(stays), k=1), durations, variance)
 
     @classmethod
-    @border
     def through(
-        cls, sequences: Sequence[object], components: Count, spread: NotNegative = 0.1
+        cls, sequences: Sequence[ArrayLike], components: int, spread: float = 0.1
     ) -> "SemiMarkovChain":
         """Chain of states as they follow each other in parts of a movement, in any order (Fig. 8).
 
@@ -143,8 +143,10 @@ class SemiMarkovChain(Part):
         ArgumentError
             Where a part visits no state, or one that is not there.
         """
-        K = components
-        parts = [visited(f"sequences[{m}]", part, K) for m, part in enumerate(sequences)]
+        K = affordable("components", components)
+        spread = number("spread", spread, least=0)
+        given = entries("sequences", sequences)
+        parts = [visited(f"sequences[{m}]", part, K) for m, part in enumerate(given)]
         if not parts:
             raise ArgumentError("sequences visit no state: there is none; give at least one")
         follows, longest, stays = np.zeros((K, K)), np.ones(K), [[0.0] for _ in range(K)]

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from recipe import Book, Made
 
-from tpsim import Gaussian, SemiMarkovChain, lab
+from tpsim import GMM, HSMM, Gaussian, SemiMarkovChain, lab
 from tpsim.control.poses import SeenMovement
 from tpsim.robot.objects import Objects
 from tpsim.robot.views.direction import Direction
@@ -526,6 +526,20 @@ def _control(book: Book) -> None:
         prior=prior,
         period=0.03,
         timestep=0.001,
+    )
+    tracked = lab.Site("tip").position[:2]
+    states = np.tile(np.eye(4), (2, 1, 1))
+    hsmm = HSMM(SemiMarkovChain.along([0, 0, 1]), GMM([0.5, 0.5], Gaussian(np.eye(2, 4), states)))
+    add(
+        "lab.SemiMarkovTracking",
+        lab.SemiMarkovTracking,
+        view=tracked,
+        model=hsmm,
+        dt=0.03,
+        effort=0.1,
+        horizon=9,
+        timestep=0.001,
+        rng=0,
     )
     add("lab.FixedImpedance", lab.FixedImpedance, posture=START, stiffness=100.0)
     movement = SeenMovement(np.zeros((9, 6)), np.tile(np.eye(6), (9, 1, 1)), np.eye(3))

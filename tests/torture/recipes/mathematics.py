@@ -475,6 +475,13 @@ def _hidden(book: Book) -> None:
         add(f"{owner}.probabilities", chain.probabilities, steps=5)
         add(f"{owner}.sample", chain.sample, steps=5, rng=0)
     add("SemiMarkovChain.along", tp.SemiMarkovChain.along, states=np.array([0, 0, 1]), spread=0.1)
+    add(
+        "SemiMarkovChain.through",
+        tp.SemiMarkovChain.through,
+        sequences=[np.array([0, 0, 1]), np.array([1, 2])],
+        components=3,
+        spread=0.1,
+    )
     add("Pace", tp.Pace, words=("pace",), likely=np.array([0.1, 0.8, 0.1]), lasting=0.5)
     add("ProgressFilter", tp.ProgressFilter, chain=SEMI, pace=tp.Pace())
     progress = tp.ProgressFilter(SEMI)

@@ -43,17 +43,17 @@ def state_references(
         A sequence that visits no state or one that is not there, or other lengths or sizes.
     """
     some = several("gaussians", gaussians, Gaussian, "such as model.gaussians")
-    walks = entries("sequences", sequences)
+    parts = entries("sequences", sequences)
     maps: list[Frame | None] = [None] * len(some)
     if frames is not None:
         maps = frames_or_none("frames", frames)
-    if not some or not len(some) == len(walks) == len(maps):
+    if not some or not len(some) == len(parts) == len(maps):
         raise ArgumentError(
-            f"there are {len(some)} coordinate systems, {len(walks)} sequences of states and "
+            f"there are {len(some)} coordinate systems, {len(parts)} sequences of states and "
             f"{len(maps)} frames; give one of each for every coordinate system"
         )
     means, precisions = [], []
-    for j, (gaussian, states, frame) in enumerate(zip(some, walks, maps, strict=True)):
+    for j, (gaussian, states, frame) in enumerate(zip(some, parts, maps, strict=True)):
         if gaussian.mean.ndim != 2:
             raise ArgumentError(
                 f"gaussians[{j}] have means of shape {gaussian.mean.shape}; give (K, d)"

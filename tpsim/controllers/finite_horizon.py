@@ -120,6 +120,11 @@ class FiniteHorizon(RenewedImpedance):
                 f"posture has means of shape {posture.mean.shape}; with these joints and movements "
                 f"give ({len(movements[0])}, {len(joints)})"
             )
+        if chain is not None and round(float(chain.durations.mean.sum())) != len(posture.mean):
+            raise ArgumentError(
+                f"stays of the chain add up to {chain.durations.mean.sum():g} steps and the "
+                f"movement has {len(posture.mean)}; give SemiMarkovChain.along(its states)"
+            )
         self.chain = chain
         self._progress: Progress = ByClock() if chain is None else ByState(chain, dt)
         self._system = integrator(6, dt, exact=True)

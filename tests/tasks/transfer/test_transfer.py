@@ -22,7 +22,7 @@ TAUGHT = 6
 
 LABELS = {"unpushed", "taught", "moved", "far", "seen", "hidden", "pushed"}
 
-JUMP, AWAY = np.array([0.03, 0.08, 0.06]), np.array([0.5, 0.0, 0.1])
+JUMP, AWAY = np.array([0.0, 0.0, -0.05]), np.array([0.5, 0.0, 0.1])
 
 
 @pytest.fixture(scope="module")

@@ -511,6 +511,13 @@ def _hidden(book: Book) -> None:
         add(f"{owner}.probabilities", chain.probabilities, steps=5)
         add(f"{owner}.sample", chain.sample, steps=5, rng=0)
     add("SemiMarkovChain.along", tp.SemiMarkovChain.along, states=np.array([0, 0, 1]), spread=0.1)
+    add(
+        "SemiMarkovChain.through",
+        tp.SemiMarkovChain.through,
+        sequences=[np.array([0, 0, 1]), np.array([1, 2])],
+        components=3,
+        spread=0.1,
+    )
     add("Pace", tp.Pace, words=("pace",), likely=np.array([0.1, 0.8, 0.1]), lasting=0.5)
     add("ProgressFilter", tp.ProgressFilter, chain=SEMI, pace=tp.Pace())
     progress = tp.ProgressFilter(SEMI)
@@ -843,7 +850,6 @@ def _control(book: Book) -> None:
     add("LinearSystem.step", SYSTEM.step, state=np.ones(4), control=np.ones(2))
     varying = tp.LinearSystem(np.tile(np.eye(2), (4, 1, 1)), np.ones((4, 2, 1)), 0.1)
     add("LinearSystem.step", varying.step, state=np.ones(2), control=np.ones(1), t=2)
-    add("LinearSystem.over", SYSTEM.over, steps=3)
     push = tp.Constraint("push", [-0.3, -0.3], [0.3, np.inf], control=np.eye(2))
     add(
         "Constraint",
@@ -855,7 +861,6 @@ def _control(book: Book) -> None:
         state=np.eye(1, 4),
         control=np.zeros((1, 2)),
     )
-    add("Constraint.over", push.over, steps=5, states=4, controls=2)
     add("joint_range", tp.joint_range, words=("constraint",), lower=-np.ones(2), upper=np.ones(2))
     add("joint_speed", tp.joint_speed, words=("constraint",), limit=np.ones(2))
     add(

@@ -45,6 +45,7 @@ from tpsim.campaign.people import Leads as Leads
 from tpsim.campaign.people import Pushes as Pushes
 from tpsim.campaign.people import Span as Span
 from tpsim.catalogue.arms import Arms as Arms
+from tpsim.control.pose_filter import PoseFilter as PoseFilter
 from tpsim.controllers.cartesian import CartesianImpedance as CartesianImpedance
 from tpsim.controllers.cartesian import Spring as Spring
 from tpsim.controllers.computed_torque import ComputedTorque as ComputedTorque
@@ -124,6 +125,7 @@ from tpsim.world.people.script import Variation as Variation
 from tpsim.world.people.script import script as script
 from tpsim.world.people.script import straight as straight
 from tpsim.world.people.sight import Sight as Sight
+from tpsim.world.perception import Perception as Perception
 from tpsim.world.plant import PLANTS as PLANTS
 from tpsim.world.plant import Plant as Plant
 from tpsim.world.reach import reach as reach

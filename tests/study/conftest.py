@@ -10,6 +10,7 @@ from tpsim.study.reference import load_study
 from tpsim.task.task import draw_situation
 from tpsim.task.verbs import learn, teach
 from tpsim.world.people.push import Push
+from tpsim.world.perception import Perception
 from tpsim.world.plant import Plant
 
 TOY = Path(__file__).parent / "toy.py"
@@ -37,7 +38,8 @@ def conditions(toy):
     first, second, third = (draw_situation(toy.task, 0, i) for i in range(3))
     tip = toy.task.stage.robot.at(np.array(third.start)).pose("tip").position
     lead = Lead("tip", tuple(tip.tolist()), (0.0, 0.01, 0.0), 0.1, 0.1, 0.05)
-    plant = Plant(mass=0.1, latency=0.004, velocity_cutoff=float("inf"), seed=3)
+    camera = Perception(rate=15.0, occluded=(("mark", 0.1, 0.2),), seed=1)
+    plant = Plant(mass=0.1, latency=0.004, velocity_cutoff=float("inf"), perception=camera, seed=3)
     return [
         Condition("unpushed", first),
         Condition("pushed", second, "nearby", (Push("tip", (1.0, 2.0, 0.0), 0.1, 0.1),)),

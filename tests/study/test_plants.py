@@ -11,6 +11,10 @@ from tpsim.study.executor import perform_condition
 from tpsim.study.plants import chosen, label, on_plants, section, with_plants
 from tpsim.study.record import Records
 from tpsim.study.study import Lab, Plan
+from tpsim.task.task import draw_situation
+from tpsim.task.verbs import perform, perform_beside
+from tpsim.world.people.push import Push
+from tpsim.world.perception import Perception
 from tpsim.world.plant import PLANTS, Plant
 
 HEAVY = {"heavy": Plant(payload=0.5), "late": Plant(latency=0.004)}
@@ -56,6 +60,19 @@ def test_the_table_has_a_row_for_each_plant_and_counts_what_went_wrong(records, 
         expected = max(health.injected(r).max() for r in records.select(group))
         assert row[column] == pytest.approx(expected)
         assert row["trials"] == len(records.select(group))
+
+
+def test_a_fork_under_a_camera_is_the_trial_that_was_pushed_from_the_start(toy, models):
+    """What was seen, what is on its way and what is believed are forked with the rest."""
+    situation = draw_situation(toy.task, 0, 1)
+    push = Push("tip", (1.0, 2.0, 0.0), 0.2, 0.1)
+    plant = Plant(perception=Perception(rate=30.0))
+    still, forked = perform_beside(toy.task, models, situation, [push], plant=plant)
+    whole = perform(toy.task, models, situation, people=[push], plant=plant)
+    told = perform(toy.task, models, situation)
+    for name in ("q", "dq", "torque"):
+        np.testing.assert_array_equal(forked[name], whole[name])
+    assert np.abs(still["q"] - told["q"]).max() > 1e-5
 
 
 def test_plants_are_chosen_by_name():

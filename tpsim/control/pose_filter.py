@@ -67,6 +67,7 @@ class PoseFilter:
         self._variance, self._time = np.zeros(2), 0.0
         self._mean = np.zeros((len(MEMORY), 2, 3))
 
+    @border
     def see(self, pose: Pose, time: float) -> None:
         """Take a sighting (R, p) of a time [s] into account.
 
@@ -75,6 +76,7 @@ class PoseFilter:
         ArgumentError
             A time before that of the last sighting.
         """
+        pose = pose.checked("pose")
         if self._pose is None:
             self._pose, self._variance, self._time = pose, self._noise, time
             return
@@ -87,6 +89,7 @@ class PoseFilter:
         self._pose = Pose(rotation.exp(gain[1] * off[1]) @ R, p + gain[0] * off[0])
         self._variance, self._time = (1 - gain) * before, time
 
+    @border
     def at(self, time: float) -> PoseEstimate | None:
         """Where the object is at a time [s]; None before it was seen for the first time."""
         if self._pose is None:

@@ -91,11 +91,14 @@ class Objects(Mapping[str, Moving]):
 
     def row(self, name: str) -> int:
         """Row of an object in the arrays."""
+        if name not in self:
+            self._look(name)  # which says why not
         return self._rows[name]
 
     def covariance(self, name: str) -> np.ndarray | None:
         """Covariance (6, 6) of the pose of an object; None where it is exactly known."""
-        return None if self.covariances is None else self.covariances[self._rows[name]]
+        row = self.row(name)
+        return None if self.covariances is None else self.covariances[row]
 
     def __getitem__(self, name: str) -> Moving:
         """Return the object called ``name``."""

@@ -8,7 +8,7 @@ from typing import Annotated
 import numpy as np
 
 from tpsim import rotation
-from tpsim.border import Moment, NotNegative, Positive, Range, SeedNumber, checked
+from tpsim.border import Moment, NotNegative, Positive, Range, SeedNumber, border, checked
 from tpsim.control.pose_filter import PoseFilter
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
@@ -65,6 +65,7 @@ class Perception:
         """Standard deviation of a sighting along each axis [m], and about it [rad]."""
         return self.position_noise / np.sqrt(3), self.angle_noise / np.sqrt(3)
 
+    @border
     def hides(self, name: str, time: float) -> bool:
         """Whether an object is hidden at a time [s]."""
         return any(name == one and since <= time < until for one, since, until in self.occluded)

@@ -132,6 +132,8 @@ def _robot(book: Book) -> None:
     for method in ("jacobian", "pose", "twist"):
         add(f"lab.State.{method}", getattr(STATE, method), site="tip")
     add("lab.Objects.of", Objects.of, poses=OBJECTS)
+    for method in ("row", "covariance"):
+        add(f"lab.Objects.{method}", getattr(STATE.objects, method), words=("object",), name="mark")
     add("lab.Objects.__getitem__", STATE.objects.__getitem__, words=("object",), name="mark")
     add(
         "lab.reach",
@@ -258,8 +260,27 @@ def _worlds(book: Book) -> None:
         encoder_bits=12,
         velocity_cutoff=40.0,
         control_period=0.004,
+        perception=lab.Perception(),
         seed=0,
     )
+    add(
+        "lab.Perception",
+        lab.Perception,
+        rate=20.0,
+        latency=0.05,
+        position_noise=0.005,
+        angle_noise=0.03,
+        wander=(0.005, 0.02),
+        occluded=(("mark", 1.0, 2.0),),
+        before=1.0,
+        seed=0,
+    )
+    add("lab.Perception.hides", lab.Perception().hides, name="mark", time=1.0)
+    add("lab.PoseFilter", lab.PoseFilter, noise=(0.005, 0.03), wander=(0.005, 0.02))
+    seeing = lab.PoseFilter()
+    seeing.see(POSE, 0.0)
+    add("lab.PoseFilter.see", seeing.see, pose=POSE, time=0.1)
+    add("lab.PoseFilter.at", seeing.at, time=0.1)
     add("lab.Plant.model", lab.Plant(mass=0.1).model, nominal=WORLD.model, robot=ROBOT)
     simulation = WORLD.simulation
     add(

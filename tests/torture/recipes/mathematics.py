@@ -92,6 +92,7 @@ def _values(book: Book) -> None:
     add("Frame.to_common", frame.to_common, x=PATHS[0])
     add("Frame.to_local", frame.to_local, x=PATHS[0])
     add("Frame.to_local", moving.to_local, x=np.ones((3, 2)))
+    add("Frame.uncertainty", frame.uncertainty, x=PATHS[0], origin=0.1 * np.eye(2), orientation=0.1)
     add("Frame.with_derivatives", frame.with_derivatives, n=2)
     add("Frame.with_input", frame.with_input, n=1)
     add("Gaussian", tp.Gaussian, mean=np.zeros(2), covariance=np.eye(2))
@@ -260,6 +261,7 @@ def _learning(book: Book) -> None:
         frames=FRAMES,
         ridge=1e-4,
         prior=GAUSSIAN,
+        uncertainty=[np.eye(2), None],
     )
     for method in ("log_joint", "log_likelihood", "responsibilities"):
         add(

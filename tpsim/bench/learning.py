@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from tpsim.bench import poses
 from tpsim.bench.timing import median_time
 from tpsim.frame import Frame
 from tpsim.learning.gmm import fit_gmm
@@ -44,7 +45,8 @@ def _run(quick: bool, repetitions: int) -> dict[str, float]:
     if "sklearn_iteration_ms" in figures:
         ratio = figures["sklearn_iteration_ms"] / figures["em_iteration_ms"]
         figures["sklearn_over_tpsim_iteration"] = ratio
-    return figures | _adaptation(views, repetitions) | _wide(repetitions) | _growth(quick)
+    figures |= _adaptation(views, repetitions) | poses.learning(quick)
+    return figures | _wide(repetitions) | _growth(quick)
 
 
 def movements(count: int) -> list[np.ndarray]:

@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 
+from tpsim.bench import poses
 from tpsim.bench.timing import median_time
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
@@ -26,7 +27,8 @@ def run(quick: bool = False) -> dict[str, float]:
     gets ten times longer.
     """
     repetitions = 20 if quick else 200
-    return _regression(repetitions) | _trajectories(max(repetitions // 20, 3))
+    figures = _regression(repetitions) | poses.retrieval(10 * repetitions)
+    return figures | _trajectories(max(repetitions // 20, 3))
 
 
 def _regression(repetitions: int) -> dict[str, float]:

@@ -8,7 +8,7 @@ import numpy as np
 from tpsim.checks import generator, number, several, whole
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
-from tpsim.learning.em import Limits
+from tpsim.learning.em import Limits, project
 from tpsim.learning.fit import Options, Seen, check_samples, fit, labellings
 from tpsim.learning.riemannian_em import Charted, TangentSamples
 from tpsim.learning.subspace import Structure, structure_of
@@ -100,12 +100,14 @@ def _starts(
 ) -> Iterator[tuple[Charted, Limits]]:
     ridge = None if options.ridge is None else number("ridge", options.ridge, least=0)
     if isinstance(options.start, tuple):
-        yield begun(samples, samples.charted(*_given(options.start, samples, components)), ridge)
+        yield begun(
+            samples, samples.charted(*_given(options.start, samples, components)), structure, ridge
+        )
         return
     views = samples.in_tangent_spaces()
     if samples.farthest(views) < WIDE:
         chart = fit(replace(seen, views=views), components, options)
-        yield begun(samples, samples.placed(chart.priors, chart.frames), ridge)
+        yield begun(samples, samples.placed(chart.priors, chart.frames), structure, ridge)
         return
     # Signs of quaternions and whole turns agree in the tangent spaces, if nothing else does.
     for labels in labellings(views, seen.time(options.time), components, options):
@@ -113,12 +115,16 @@ def _starts(
         yield samples.begin(one_hot, structure, ridge)
 
 
-def begun(samples: TangentSamples, model: Charted, ridge: float | None) -> tuple[Charted, Limits]:
+def begun(
+    samples: TangentSamples, model: Charted, structure: Structure, ridge: float | None
+) -> tuple[Charted, Limits]:
     """Begin from a model: its floors are set by the samples that it claims."""
-    if ridge is not None:
-        return model, samples.ridges(ridge)
-    _, parts = samples.expectation(model)
-    return model, samples.floors(parts, model.bases)
+    if ridge is None:
+        _, parts = samples.expectation(model)
+        limits = samples.floors(parts, model.bases)
+    else:
+        limits = samples.ridges(ridge)
+    return Charted(project(model.mixture, structure, limits), model.bases), limits
 
 
 def _given(

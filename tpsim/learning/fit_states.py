@@ -124,7 +124,7 @@ class _Curved:
         frames = [g for g in _frames(start) if isinstance(g, RiemannianGaussian)]
         self.samples, self._structure = samples_on([g.manifold for g in frames], seen), structure
         self._model = self.samples.charted(start.priors, frames)
-        self._model, self._limits = begun(self.samples, self._model, ridge)
+        self._model, self._limits = begun(self.samples, self._model, structure, ridge)
 
     def log_densities(self) -> np.ndarray:
         """Of every sample in every state, (N, K)."""
@@ -134,7 +134,9 @@ class _Curved:
         """M-step for responsibilities (N, K)."""
         moments = self.samples.moments(h, self._model.bases)
         found = maximise(moments, self._model.mixture, self._structure, self._limits)
-        self._model, self._limits = self.samples.moved(found, self._model.bases, self._limits)
+        self._model, self._limits = self.samples.moved(
+            found, self._model.bases, self._limits, self._structure
+        )
 
     @property
     def priors(self) -> np.ndarray:

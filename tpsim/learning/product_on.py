@@ -70,8 +70,7 @@ def _placed(
     manifold = members[0][0].manifold
     # All frames at once: for matrices so small, every call costs more than what it computes.
     try:
-        A = np.array(np.broadcast_arrays(*(frame.A for _, frame in members)))
-        b = np.array(np.broadcast_arrays(*(frame.b for _, frame in members)))
+        A, b = _stacked([frame.A for _, frame in members]), _stacked([f.b for _, f in members])
     except ValueError as error:
         raise ArgumentError(f"the frames have different shapes or steps ({error})") from error
     moved = manifold.frame(Frame.trusted(A, b))
@@ -85,3 +84,9 @@ def _placed(
     turn = manifold.work.turned(A, local, mean)
     back = turn.mT if manifold.work.rigid(A) else np.linalg.inv(turn)
     return manifold, mean, back.mT @ precision @ back
+
+
+def _stacked(arrays: list[np.ndarray]) -> np.ndarray:
+    if any(array.shape != arrays[0].shape for array in arrays):
+        return np.array(np.broadcast_arrays(*arrays))
+    return np.array(arrays)

@@ -16,7 +16,7 @@ from tpsim.learning.em import Limits, Mixture, maximise
 from tpsim.learning.moments import Moments
 from tpsim.learning.regularisation import Floor, Ridge, data_floors
 from tpsim.learning.statistics import FAINTEST, Components
-from tpsim.learning.subspace import Structure
+from tpsim.learning.subspace import FULL, Structure
 from tpsim.manifold.gaussian import RiemannianGaussian, carried, shifted
 from tpsim.manifold.manifold import Manifold
 
@@ -144,7 +144,7 @@ class TangentSamples:
         bases = self.means(h)
         parts = self.moments(h, bases)
         limits = self.floors(parts, bases) if ridge is None else self.ridges(ridge)
-        return self.moved(maximise(parts, None, structure, limits), bases, limits)
+        return self.moved(maximise(parts, None, structure, limits), bases, limits, structure)
 
     def ridges(self, ridge: float) -> Limits:
         """The ridge of Eq. (8) for every group of frames."""
@@ -211,15 +211,24 @@ class TangentSamples:
         )
 
     def moved(
-        self, mixture: Mixture, bases: Sequence[np.ndarray], limits: Limits
+        self,
+        mixture: Mixture,
+        bases: Sequence[np.ndarray],
+        limits: Limits,
+        structure: Structure,
     ) -> tuple[Charted, Limits]:
-        """The mixture with its means as bases, covariances and floors carried there."""
+        """The mixture with its means as bases, covariances and floors carried there.
+
+        Structured covariances stay as they are: carried, they would lose their structure.
+        """
         parts, found, floors = [], [], []
         for manifold, base, part, limit in zip(
             self.manifolds, bases, mixture.components, limits, strict=True
         ):
             there = manifold.work.exp(base, part.mean)
-            covariance = carried(manifold, base, there, part.covariance)
+            covariance = part.covariance
+            if structure == FULL:
+                covariance = carried(manifold, base, there, covariance)
             if isinstance(limit, Floor) and manifold.work.curved:
                 limit = Floor(carried(manifold, base, there, limit.least))
             part = replace(part, mean=np.zeros_like(part.mean), covariance=covariance)
@@ -253,7 +262,7 @@ class TangentSamples:
             if converged or iteration == max_iterations:
                 break
             found = maximise(moments, model.mixture, structure, limits)
-            model, limits = self.moved(found, model.bases, limits)
+            model, limits = self.moved(found, model.bases, limits, structure)
         return best, np.array(history)
 
     @property

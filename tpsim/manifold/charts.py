@@ -100,6 +100,24 @@ class Charts:
             slope[..., rows, rows] = space.slope(x[..., columns], y[..., columns], v[..., rows])
         return slope
 
+    def seen(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Tangent vectors (..., dim) at x that lead to y, and :meth:`slope`."""
+        found = [
+            (b, b.space.seen(x[..., b.columns], y[..., b.columns]))
+            for b in self.blocks
+            if not b.space.flat
+        ]
+        lead = (
+            found[0][1][0].shape[:-1] if found else np.broadcast_shapes(x.shape[:-1], y.shape[:-1])
+        )
+        v, slope = np.empty((*lead, self.dim)), self._identity(lead)
+        for (_, _, rows), (way, stretch) in found:
+            v[..., rows], slope[..., rows, rows] = way, stretch
+        for space, columns, rows in self.blocks:
+            if space.flat:
+                np.subtract(y[..., columns], x[..., columns], out=v[..., rows])
+        return v, slope
+
     def _identity(self, lead: tuple[int, ...]) -> np.ndarray:
         found = np.empty((*lead, self.dim, self.dim))
         found[...] = self._eye

@@ -16,7 +16,7 @@ from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.manifold.charts import Charts
 from tpsim.manifold.spaces import Circle, Euclidean, Moves, Space
-from tpsim.manifold.spheres import Rotations, Sphere
+from tpsim.manifold.spheres import Rotations, Sphere, not_orthonormal
 
 
 class Factors(NamedTuple):
@@ -225,12 +225,20 @@ class Manifold(Part):
                 f"A has shape {A.shape}; frames of {self} are square: what not all frames see in "
                 "full is for a TPGMM in R^n"
             )
+        if self.work.flat:
+            if (np.abs(np.linalg.det(A)) < 1e-12 * np.abs(A).max((-2, -1)) ** A.shape[-1]).any():
+                raise ArgumentError("a frame's A is singular; give an invertible one")
+        elif not_orthonormal(A):
+            raise ArgumentError(
+                "A is no rotation: a frame that scales or shears has no orientation; give a "
+                "rigid motion"
+            )
         parts = [space.lifted(A, b) for space in self.spaces]
         lead = A.shape[:-2]
         whole, offset = np.zeros((*lead, self.width, self.width)), np.zeros((*lead, self.width))
         for (_, columns, _), (turn, move) in zip(self.work.single, parts, strict=True):
             whole[..., columns, columns], offset[..., columns] = turn, move
-        return self._checked(Frame.trusted(whole, offset))
+        return Frame.trusted(whole, offset)
 
     def _checked(self, frame: Frame) -> Frame:
         """The frame, or an ArgumentError where it leads off the manifold."""

@@ -12,7 +12,7 @@ ROUNDS = 30
 """Steps to a common mean, at most."""
 
 STILL = 1e-4
-"""Step [rad] after which no other is worth while: what is left is of third order."""
+"""Step [rad] that is worth while no more."""
 
 EXACT = 1e-9
 """The same [rad] where nothing waits."""
@@ -38,25 +38,29 @@ def fused(
     a step of ``still`` [rad] it ends. Means that are half a turn apart meet on one of the two ways
     round, with a DataWarning.
     """
+    work = manifold.work
     x = _most_precise(manifold, means, precisions) if near is None else near
-    before = np.zeros((*x.shape[:-1], manifold.dim))
+    before, length = None, np.inf
     for turn in range(ROUNDS):
-        e = manifold.work.log(x, means)
-        seen = precisions
-        if manifold.work.curved:
-            slope = manifold.work.slope(x, means, e)
+        if work.curved:
+            e, slope = work.seen(x, means)
             seen = slope.mT @ precisions @ slope
-        information, total = (seen @ e[..., None]).sum(0), seen.sum(0)
+        else:
+            e, seen = work.log(x, means), precisions
+        information, total = np.add.reduce(seen @ e[..., None]), np.add.reduce(seen)
         step = np.linalg.solve(total, information)[..., 0]
-        if turn % 2:
+        last, length = length, float(np.abs(step).max(initial=0.0))
+        if before is not None and turn % 2 and length > still:
             # Far apart, steps shrink slowly, each by one share: all that would follow at once.
             share = np.vecdot(step, before) / np.maximum(np.vecdot(before, before), 1e-300)
-            step = step / (1 - np.clip(share, 0.0, SLOWEST))[..., None]
+            share = np.minimum(np.maximum(share, 0.0), SLOWEST)
+            step = step / (1 - share)[..., None]
         before = step
-        x = manifold.work.exp(x, step)
+        x = work.exp(x, step)
         if turn == 0:
             _say_if_opposite(manifold, e)
-        if manifold.flat or not np.abs(step).max(initial=0.0) > still:
+        # Another step would be shorter by as much as this one was.
+        if work.flat or length * (min(1.0, length / last) if turn else 1.0) <= still:
             break
     return x, inverse_spd(total, "sum of precisions")
 
@@ -94,24 +98,29 @@ def mixed(
     The mean is the point at which weighted tangent vectors sum to zero, sought from the heaviest
     component.
     """
-    if manifold.work.curved or not manifold.flat:
-        heaviest = weights.argmax(-1)[..., None, None]
-        x = np.take_along_axis(means, heaviest, -2)[..., 0, :]
-    else:
-        x = means[..., 0, :]
+    work = manifold.work
+    x = _heaviest(weights, means)
     h = weights[..., None, :]
     for _ in range(ROUNDS):
-        e = manifold.work.log(x[..., None, :], means)
+        e = work.log(x[..., None, :], means)
         step = np.matmul(h, e)[..., 0, :]
-        x = manifold.work.exp(x, step)
-        if manifold.flat or not np.abs(step).max(initial=0.0) > STILL:
+        x = work.exp(x, step)
+        if work.flat or not np.abs(step).max(initial=0.0) > STILL:
             break
     at = x[..., None, :]
-    e = manifold.work.log(at, means)
-    if manifold.work.curved:
-        back = np.linalg.inv(manifold.work.slope(at, means, e))
+    e, slope = work.seen(at, means)
+    if work.curved:
+        back = np.linalg.inv(slope)
         covariances = back @ covariances @ back.mT
     within = np.matmul(h, covariances.reshape(*covariances.shape[:-2], -1))
     within = within.reshape(*within.shape[:-2], manifold.dim, manifold.dim)
     between = np.swapaxes(weights[..., None] * e, -1, -2) @ e
     return x, symmetric(within + between)
+
+
+def _heaviest(weights: np.ndarray, means: np.ndarray) -> np.ndarray:
+    """Means (..., width) of the components of the largest weight."""
+    if weights.ndim == 1 and means.ndim == 2:
+        return means[weights.argmax()]
+    found = np.take_along_axis(means, weights.argmax(-1)[..., None, None], -2)
+    return found[..., 0, :]

@@ -3,6 +3,21 @@
 import numpy as np
 
 
+def of_matrices(R: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Unit quaternions (..., 4) of orthonormal matrices (..., 3, 3), and whether these mirror.
+
+    The largest row of ``4 q q'``, which is linear in R; R is turned round where it mirrors.
+    """
+    mirrored = np.linalg.det(R) < 0
+    if mirrored.any():
+        R = np.where(mirrored[..., None, None], -R, R)
+    outer = np.matmul(R.reshape(*R.shape[:-2], 1, 9), _OUTER)[..., 0, :] + _OUTER_OF_NONE
+    outer = outer.reshape(*R.shape[:-2], 4, 4)
+    largest = outer.diagonal(0, -2, -1).argmax(-1)
+    row = np.take_along_axis(outer, largest[..., None, None], -2)[..., 0, :]
+    return row / np.sqrt(np.vecdot(row, row))[..., None], mirrored
+
+
 def times(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Product of quaternions (..., 4), w first."""
     return np.matmul(left_multiplication(p), q[..., None])[..., 0]
@@ -38,3 +53,20 @@ def _tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 _LEFT, _RIGHT, _OVER = _tables()
+
+
+def _outer() -> np.ndarray:
+    """``4 q q'`` (9, 16) of rotation matrices, but for the identity."""
+    found = np.zeros((3, 3, 4, 4))
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        found[i, i, 0, 0] = found[i, i, i + 1, i + 1] = 1.0
+        found[i, i, j + 1, j + 1] = found[i, i, k + 1, k + 1] = -1.0
+        found[k, j, 0, i + 1] = found[k, j, i + 1, 0] = 1.0
+        found[j, k, 0, i + 1] = found[j, k, i + 1, 0] = -1.0
+        for a, b in ((i, j), (j, i)):
+            found[a, b, i + 1, j + 1] = found[a, b, j + 1, i + 1] = 1.0
+    return found.reshape(9, 16)
+
+
+_OUTER, _OUTER_OF_NONE = _outer(), np.eye(4).reshape(16)

@@ -60,6 +60,11 @@ class Space(Part):
         """
         raise NotImplementedError
 
+    def seen(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Tangent vectors at x that lead to y, and :meth:`slope`."""
+        v = self.log(x, y)
+        return v, self.slope(x, y, v)
+
     def lifted(self, A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What a frame of the plane or of space does to the columns: (..., w, w) and (..., w)."""
         raise NotImplementedError

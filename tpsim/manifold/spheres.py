@@ -7,9 +7,15 @@ import numpy as np
 
 from tpsim.checks import choice, place
 from tpsim.errors import ArgumentError
-from tpsim.manifold.quaternion import left_multiplication, over, right_multiplication, times
+from tpsim.manifold.quaternion import (
+    left_multiplication,
+    of_matrices,
+    over,
+    right_multiplication,
+    times,
+)
 from tpsim.manifold.spaces import Space
-from tpsim.rotation import cross_matrix, to_quaternion
+from tpsim.rotation import cross_matrix
 
 BEHIND = 0.2
 """Sine of the angle to the opposite direction below which sideways turning grows no more."""
@@ -80,7 +86,7 @@ class Sphere(Space):
 
     def wrong(self, A, b):
         """Whether A is no rotation or reflection, or b not zero."""
-        return _not_orthonormal(A) or bool(np.abs(b).max() > 1e-6)
+        return not_orthonormal(A) or bool(np.abs(b).max() > 1e-6)
 
     def centre(self, y, weights):
         """Direction of the sum, or of the widest spread where the sum is none."""
@@ -164,37 +170,37 @@ class Rotations(Space):
         """The turn by half the rotation vector."""
         return _half_turn(self.log(x, y))[0]
 
+    def seen(self, x, y):
+        """Both at once, which share their angles."""
+        turn = np.matmul(over(x), y[..., None])[..., 0]
+        w = turn[..., :1]
+        cosine = np.minimum(np.abs(w), 1 - 1e-16)
+        half = np.arccos(cosine)
+        factor = 2 * half / np.sqrt(1 - cosine * cosine)
+        v = np.copysign(factor, w) * turn[..., 1:]
+        # (1 - half / tan half) / (2 half)^2
+        ratio = (1 - 0.5 * factor * cosine) / np.maximum(4 * half * half, TINY)
+        return v, _inverse_jacobian(v, ratio[..., None])
+
     def slope(self, x, y, v):
         """Inverse left Jacobian of the rotation vector -v, that leads from y to x."""
-        S = cross_matrix(v)
         square = np.vecdot(v, v)
         half = np.maximum(0.5 * np.sqrt(square), 1e-12)
         ratio = (1 - half / np.tan(half)) / np.maximum(square, TINY)
-        slope = ratio[..., None, None] * (S @ S)
-        slope += 0.5 * S
-        slope[..., 0, 0] += 1
-        slope[..., 1, 1] += 1
-        slope[..., 2, 2] += 1
-        return slope
+        return _inverse_jacobian(v, ratio[..., None, None])
 
     def lifted(self, A, b):
         """Left multiplication by the frame's quaternion."""
         if A.shape[-2:] != (3, 3):
             raise ArgumentError(f"S3 is turned by frames of space, A of (3, 3); A is {A.shape}")
-        if _not_orthonormal(A):
-            raise ArgumentError(
-                "A is no rotation: a frame that scales or shears has no orientation; give a "
-                "rigid motion"
-            )
-        mirrored = np.linalg.det(A) < 0
-        if mirrored.any() and not self.mirror:
-            raise ArgumentError(
-                "A is a reflection, under which an orientation has no image but that of a body "
-                "which is mirrored, too; say across which of its axes, as in S3.mirrored('y')"
-            )
-        sign = np.where(mirrored, -1.0, 1.0)[..., None, None]
-        B = left_multiplication(to_quaternion(sign * A))
+        q, mirrored = of_matrices(A)
+        B = left_multiplication(q)
         if mirrored.any():
+            if not self.mirror:
+                raise ArgumentError(
+                    "A is a reflection, under which an orientation has no image but that of a body "
+                    "which is mirrored, too; say across which of its axes, as in S3.mirrored('y')"
+                )
             flip = right_multiplication(np.eye(4)["xyz".index(self.mirror) + 1])
             B = np.where(mirrored[..., None, None], B @ flip, B)
         return B, np.zeros(4)
@@ -207,7 +213,7 @@ class Rotations(Space):
         """Whether A is no multiplication by unit quaternions, or b not zero."""
         turn = over(A[..., :, 0]) @ A[..., :, 1:]
         return (
-            _not_orthonormal(A)
+            not_orthonormal(A)
             or bool(np.abs(turn[..., 0, :]).max() > 1e-6)
             or bool(np.abs(b).max() > 1e-6)
         )
@@ -215,6 +221,20 @@ class Rotations(Space):
     def centre(self, y, weights):
         """Direction of the widest spread: the chordal mean, whatever the signs."""
         return _principal(y, weights)
+
+
+def _inverse_jacobian(v: np.ndarray, ratio: np.ndarray) -> np.ndarray:
+    """``I + S / 2 + ratio S S`` (..., 3, 3) with S the cross-product matrix of v (..., 3)."""
+    S = cross_matrix(v)
+    found = S @ S
+    found *= ratio
+    S *= 0.5
+    found += S
+    found += _EYE
+    return found
+
+
+_EYE = np.eye(3)
 
 
 def _half_turn(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -279,5 +299,6 @@ def _unit(name: str, y: np.ndarray, what: str) -> np.ndarray:
     return np.where(np.abs(length - 1) < 1e-15, 1.0, 1 / length)[..., None] * y
 
 
-def _not_orthonormal(A: np.ndarray) -> bool:
+def not_orthonormal(A: np.ndarray) -> bool:
+    """Whether A (..., n, n) is neither a rotation nor a reflection."""
     return bool(np.abs(A @ A.mT - np.eye(A.shape[-1])).max() > 1e-6)

@@ -107,7 +107,7 @@ def hindrance(world: World, lesson: Lesson) -> str:
             return "a joint comes near its limit"
         if count % CONTACT_STRIDE == 0:
             simulation.reset(q)
-            if simulation.data.ncon:
+            if simulation.touches:
                 return f"{simulation.touching} touch"
     return ""
 

@@ -127,6 +127,12 @@ def test_figures_of_held_hands(performed):
     assert held_ratio(records) == pytest.approx(1.0)
     assert success(twice) == 100.0
     assert {s.title for s in study.serve.sections(records)} >= {"What went wrong"}
+    shown = study.serve.clips(Lab(study.serve, models), records)
+    assert [clip.subtitle for clip in shown] == [
+        "dock, sugar and bowl where they never were",
+        "a person holds the hand for 5 s",
+    ]
+    assert {"cup", "sugar"} <= set(shown[0].objects)
 
 
 def test_views_see_the_things_where_they_are(shown):

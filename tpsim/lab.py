@@ -107,6 +107,7 @@ from tpsim.task.task import draw_situation as draw_situation
 from tpsim.task.verbs import learn as learn
 from tpsim.task.verbs import perform as perform
 from tpsim.task.verbs import teach as teach
+from tpsim.world.grasp import Grasp as Grasp
 from tpsim.world.impedance import Controller as Controller
 from tpsim.world.impedance import Impedance as Impedance
 from tpsim.world.object_path import ObjectPath as ObjectPath

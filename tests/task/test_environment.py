@@ -27,7 +27,7 @@ from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.push import Push
 from tpsim.world.plant import Plant
 
-TIMED = {"pointing", "transfer"}
+TIMED = {"serve", "pointing", "transfer"}
 """Tasks whose frames observe time too."""
 
 POINTING = Pointing()

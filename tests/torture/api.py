@@ -78,7 +78,7 @@ INSIDE = {
          "Care.at", "HandPath.seen_from", "InverseKinematics.__call__", "Motion", "Spring.matrix",
          "Robot.compute_bias", "Robot.compute_jacobian", "Robot.compute_mass",
          "Robot.compute_pose", "Robot.friction_torque",
-         "Seen", "Simulation", "Simulation.apply_wrench", "Simulation.step",
+         "Seen", "Simulation", "Simulation.apply_wrench", "Simulation.see", "Simulation.step",
          "State")],
         "made or called at every time step: holds what it is given, unchecked",
     ),

@@ -89,6 +89,8 @@ class Simulation:
         for actuator, control in robot.description.controls.items():
             self.data.ctrl[self.model.actuator(actuator).id] = control
         self.data.qpos[self._qpos] = q
+        if self._holds:
+            self.grasps.begin(self.data)
         mujoco.mj_forward(self.model, self.data)
 
     @property

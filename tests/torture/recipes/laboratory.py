@@ -228,6 +228,18 @@ def _worlds(book: Book) -> None:
         position=(0.0, 0.0, 0.0),
         axes=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
     )
+    add(
+        "lab.Grasp",
+        lab.Grasp,
+        model="lump",
+        site="tip",
+        position=(0.0, 0.0, 0.0),
+        axes=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+        stand="other",
+        on_stand=(0.0, 0.0, 0.009),
+        target="other",
+        at_target=(0.0, 0.0, 0.1),
+    )
     add("lab.Placed", lab.Placed, model="marker", position=(0.0, 0.0, 0.0), paint=(0.1, 0.2, 0.3))
     robot = lab.Robot.from_mjcf(ARM, {"hand": "tip"}, torque_limit=30, home=(0.4, 0.9))
     camera = lab.Camera((1.0, 1.0, 1.0), (0.0, 0.0, 0.0))

@@ -29,7 +29,7 @@ FLOORS = (
     "cli",
 )
 SIMULATION = {"mujoco", "pinocchio", "mink", "dm_control", "dm_env", "gymnasium"}
-PLAIN = {"numpy", "scipy"}
+PLAIN = {"numpy", "scipy", "qpsolvers"}  # the last where constraints are asked for, and late
 ROOMS = {"lab": "lab", "gallery": "gallery", "__main__": "cli", "__init__": "root"}
 
 

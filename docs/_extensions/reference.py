@@ -42,6 +42,7 @@ ROOMS = (
 
 PAGES = {
     "values": ("tpsim", ("",)),
+    "manifold": ("tpsim", ("manifold",)),
     "learning": ("tpsim", ("learning",)),
     "retrieval": ("tpsim", ("retrieval",)),
     "control": ("tpsim", ("control",)),

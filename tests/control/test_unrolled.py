@@ -30,10 +30,12 @@ def test_the_plane_has_the_lengths_of_the_path(manifold):
         steps, manifold.distance(path.points[1:], path.points[:-1]), atol=1e-9
     )
     np.testing.assert_allclose(
-        manifold.distance(path.roll(slice(None), path.plane), path.points), 0, atol=1e-7
+        manifold.distance(path.rolled(path.plane), path.points), 0, atol=1e-7
     )
     off = path.plane + 0.3
-    np.testing.assert_allclose(path.see(slice(None), path.roll(slice(None), off)), off, atol=1e-9)
+    np.testing.assert_allclose(
+        [path.see(t, p) for t, p in enumerate(path.rolled(off))], off, atol=1e-9
+    )
     # A neighbour's point is where its own step says, to second order.
     np.testing.assert_allclose(path.see(3, path.points[4]), path.plane[4], atol=1e-9)
 

@@ -150,6 +150,16 @@ def test_the_orders_of_the_page_on_time_are_those_of_tp_gmr():
     assert min(np.abs(a - b).max() for a in paths for b in paths if a is not b) > 1e-6
 
 
+def test_the_movement_of_the_page_on_manifolds_ends_in_the_second_dock():
+    (code,) = blocks(DOCS / "manifolds.md", "python")
+    names: dict = {}
+    exec(code, names)
+    path, place = names["path"], names["docks"](names["turned"], 0.3)[1]
+    assert np.linalg.norm(path.mean[-1, :3] - place.b) < 0.02
+    turned = names["rotation"].to_quaternion(place.A)
+    assert np.degrees(names["S3"].distance(path.mean[-1, 3:], turned)) < 3
+
+
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "python")], ids=name)
 def test_python_of_a_page_imports_what_there_is(page):
     """Its other lines are run by the tests that RUN_ELSEWHERE and this file name."""

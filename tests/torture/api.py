@@ -61,8 +61,9 @@ INSIDE = {
         "a step of EM, which hands its own densities on; users call those of HMM and HSMM",
     ),
     **dict.fromkeys(
-        ["lab.Pose.checked", "lab.Robot.posture", "rotation.quaternions", "rotation.warn_of_turns",
-         "TrajectoryDistribution.of"],
+        ["rotation.cross_matrix",
+         "lab.Pose.checked", "lab.Robot.posture", "rotation.quaternions", "rotation.warn_of_turns",
+         "Manifold.part", "Manifold.points", "TrajectoryDistribution.of"],
         "a check, which takes the name under which a user knows the argument",
     ),
     **dict.fromkeys(
@@ -99,7 +100,8 @@ INSIDE = {
     "lab.pareto": "takes NaN and infinity for what could not be measured",
     "lab.tune": "takes minutes; its arguments pass the border",
     **dict.fromkeys(
-        ["Frame.trusted", "Gaussian.trusted", "GMM.trusted", "Regression.trusted"],
+        ["Frame.trusted", "Gaussian.trusted", "GMM.trusted", "Regression.trusted",
+         "RiemannianGaussian.trusted_on"],
         "documented as the way around all checks",
     ),
 }  # fmt: skip

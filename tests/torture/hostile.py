@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tpsim import GMM, Demonstration, Frame, Gaussian
+from tpsim import GMM, S3, Demonstration, Frame, Gaussian, RiemannianGaussian
 
 
 class Hostile(NamedTuple):
@@ -255,7 +255,18 @@ def objects(items: list[object]) -> np.ndarray:
 
 def relatives(good: object) -> Iterable[Hostile]:
     """Values of the same class that are hard to deal with."""
-    if isinstance(good, Gaussian):
+    if isinstance(good, RiemannianGaussian):
+        m, S, on = np.array(good.mean), np.array(good.covariance), good.manifold
+        yield Hostile("huge", lambda: RiemannianGaussian(on, m, S * 1e90))
+        yield Hostile("tiny", lambda: RiemannianGaussian(on, m, S * 1e-90))
+        yield Hostile("thin", lambda: RiemannianGaussian(on, m, thin(S)))
+        yield Hostile("of one step", lambda: RiemannianGaussian(on, m[0], S[0]))
+        yield Hostile("of more axes", lambda: RiemannianGaussian(on, m[None], S[None]))
+        yield Hostile(
+            "of another manifold", lambda: RiemannianGaussian(S3, m[..., :4], S[..., :3, :3])
+        )
+        yield Hostile("plain", lambda: Gaussian(m, np.eye(m.shape[-1])))
+    elif isinstance(good, Gaussian):
         m, S = np.array(good.mean), np.array(good.covariance)
         yield Hostile("far away", lambda: Gaussian(m + 1e90, S))
         yield Hostile("huge", lambda: Gaussian(m, S * 1e90))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.border import checked
-from tpsim.checks import finite_array, instance, whole
+from tpsim.checks import LARGEST, finite_array, frozen, instance, whole
 from tpsim.control.feedback import Feedback
 from tpsim.control.lqt import lqt
 from tpsim.control.system import LinearSystem
@@ -51,6 +51,15 @@ class Unrolled:
 
     def __post_init__(self) -> None:
         checked(self)
+        points = self.manifold.points("points", self.points)
+        T, dim = len(points) if points.ndim == 2 else 0, self.manifold.dim
+        if not T or self.axes.shape != (T, dim, dim) or self.plane.shape != (T, dim):
+            raise ArgumentError(
+                f"points, axes and plane have shapes {points.shape}, {self.axes.shape} and "
+                f"{self.plane.shape}; give (T, {self.manifold.width}), (T, {dim}, {dim}) and "
+                f"(T, {dim}), T >= 1"
+            )
+        object.__setattr__(self, "points", frozen(points))
 
     @classmethod
     def of(cls, manifold: Manifold, points: ArrayLike) -> "Unrolled":
@@ -70,25 +79,63 @@ class Unrolled:
     def __len__(self) -> int:
         return len(self.points)
 
-    def see(self, step: int | slice, point: ArrayLike) -> np.ndarray:
-        """Where a point (..., width) lies on the plane, as seen from the path at a step."""
-        y = self.manifold.points("point", point)
-        v = self.manifold.work.log(self.points[step], y)
-        return self.plane[step] + (self.axes[step].mT @ v[..., None])[..., 0]
+    def see(self, step: int, point: ArrayLike) -> np.ndarray:
+        """Where points (..., width) lie on the plane (..., dim), as seen from the path at a step.
 
-    def roll(self, step: int | slice, plane: ArrayLike) -> np.ndarray:
-        """The point (..., width) that lies at (..., dim) on the plane, as seen from a step."""
-        v = finite_array("plane", plane) - self.plane[step]
-        return self.manifold.work.exp(self.points[step], (self.axes[step] @ v[..., None])[..., 0])
+        Parameters
+        ----------
+        step : int
+        point : (..., width)
+        """
+        t = whole("step", step, most=len(self) - 1)
+        v = self.manifold.work.log(self.points[t], self.manifold.points("point", point))
+        return self.plane[t] + v @ self.axes[t]
+
+    def roll(self, step: int, plane: ArrayLike) -> np.ndarray:
+        """Points (..., width) that lie at (..., dim) on the plane, as seen from a step.
+
+        Parameters
+        ----------
+        step : int
+        plane : (..., dim)
+        """
+        t = whole("step", step, most=len(self) - 1)
+        v = finite_array("plane", plane)
+        if v.shape[-1:] != (self.manifold.dim,) or (v.size and np.abs(v).max() > LARGEST):
+            raise ArgumentError(f"plane has shape {v.shape}; give (..., {self.manifold.dim})")
+        return self.manifold.work.exp(self.points[t], (v - self.plane[t]) @ self.axes[t].T)
+
+    def rolled(self, plane: ArrayLike) -> np.ndarray:
+        """Points (T, width) that lie at (T, dim) on the plane, each as seen from its own step.
+
+        Parameters
+        ----------
+        plane : (T, dim)
+        """
+        v = finite_array("plane", plane)
+        if v.shape != self.plane.shape or np.abs(v).max() > LARGEST:
+            raise ArgumentError(f"plane has shape {v.shape}; give {self.plane.shape}")
+        v = (self.axes @ (v - self.plane)[..., None])[..., 0]
+        return self.manifold.work.exp(self.points, v)
 
     def place(self, gaussian: RiemannianGaussian) -> tuple[np.ndarray, np.ndarray]:
-        """Means (..., T, dim) and precisions (..., T, dim, dim) of Gaussians on the plane."""
-        m = self.manifold
-        v = m.work.log(self.points, gaussian.mean)
-        slope = m.work.slope(self.points, np.broadcast_to(gaussian.mean, gaussian.mean.shape), v)
-        back = slope @ self.axes
+        """Means (..., T, dim) and precisions (..., T, dim, dim) of Gaussians on the plane.
+
+        Parameters
+        ----------
+        gaussian : RiemannianGaussian (..., T)
+        """
+        g = instance("gaussian", gaussian, RiemannianGaussian)
+        if g.manifold != self.manifold or g.mean.shape[-2:-1] != (len(self),):
+            raise ArgumentError(
+                f"gaussian is on {g.manifold} with leading axes {g.mean.shape[:-1]}; give (..., "
+                f"{len(self)}) on {self.manifold}"
+            )
+        work = self.manifold.work
+        v = work.log(self.points, g.mean)
+        back = work.slope(self.points, g.mean, v) @ self.axes
         mean = self.plane + (self.axes.mT @ v[..., None])[..., 0]
-        return mean, symmetric(back.mT @ gaussian.precision @ back)
+        return mean, symmetric(back.mT @ g.precision @ back)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +154,12 @@ class ManifoldPlan:
 
     def __post_init__(self) -> None:
         checked(self)
+        dim, gain = self.path.manifold.dim, self.feedback.gain.shape
+        if gain != (len(self.path), dim, 2 * dim):
+            raise ArgumentError(
+                f"feedback has gains of shape {gain}; the path asks for "
+                f"({len(self.path)}, {dim}, {2 * dim})"
+            )
 
     def acceleration(self, step: int, point: ArrayLike, velocity: ArrayLike) -> np.ndarray:
         """Control (dim,) in tangent coordinates at the path's point of a step.
@@ -119,19 +172,38 @@ class ManifoldPlan:
             In tangent coordinates at the path's point, as an angular velocity is.
         """
         t = whole("step", step, most=len(self.path) - 1)
-        axes = self.path.axes[t]
-        speed = finite_array("velocity", velocity)
-        state = np.concatenate([self.path.see(t, point), axes.T @ speed])
+        axes, speed = self.path.axes[t], self._speed(velocity)
+        state = np.concatenate([self.path.see(t, self._place(point)), axes.T @ speed])
         found: np.ndarray = axes @ self.feedback.control(t, state)
         return found
 
     def rollout(self, point: ArrayLike, velocity: ArrayLike | None = None) -> np.ndarray:
-        """Points (T, width) of the movement that the law makes from a point and velocity."""
+        """Points (T, width) of the movement that the law makes.
+
+        Parameters
+        ----------
+        point : (width,)
+            From where.
+        velocity : (dim,), optional
+            There; zero by default.
+        """
         dim = self.path.manifold.dim
-        speed = np.zeros(dim) if velocity is None else finite_array("velocity", velocity)
-        start = np.concatenate([self.path.see(0, point), self.path.axes[0].T @ speed])
+        speed = np.zeros(dim) if velocity is None else self._speed(velocity)
+        start = np.concatenate([self.path.see(0, self._place(point)), self.path.axes[0].T @ speed])
         states = self.feedback.rollout(start).states
-        return self.path.roll(slice(None), states[:, :dim])
+        return self.path.rolled(states[:, :dim])
+
+    def _place(self, point: ArrayLike) -> np.ndarray:
+        found = self.path.manifold.points("point", point)
+        if found.ndim != 1:
+            raise ArgumentError(f"point has shape {found.shape}; give ({found.shape[-1]},)")
+        return found
+
+    def _speed(self, velocity: ArrayLike) -> np.ndarray:
+        dim, speed = self.path.manifold.dim, finite_array("velocity", velocity)
+        if speed.shape != (dim,):
+            raise ArgumentError(f"velocity has shape {speed.shape}; give ({dim},)")
+        return speed
 
 
 def lqt_on(

@@ -151,7 +151,8 @@ class RiemannianGaussian(Gaussian):
         A : (..., width, width)
         b : (..., width)
         """
-        frame = self.manifold.frame(Frame(A, np.broadcast_to(b, np.shape(A)[:-1])))
+        A, b = finite_array("A", A), finite_array("b", b)
+        frame = self.manifold.frame(Frame(A, b if b.ndim else np.full(A.shape[-2:-1], b)))
         mean = frame.to_common(self.mean)
         turn = self.manifold.work.turned(frame.A, self.mean, mean)
         return RiemannianGaussian.trusted_on(

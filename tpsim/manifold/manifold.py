@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from tpsim.archive import Part
 from tpsim.arrays import LARGEST
-from tpsim.checks import dimensions, finite_array, instance, several
+from tpsim.checks import choice, dimensions, finite_array, instance, several
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.manifold.charts import Charts
@@ -46,7 +46,7 @@ class Manifold(Part):
     def __post_init__(self) -> None:
         object.__setattr__(self, "spaces", tuple(several("spaces", self.spaces, Space)))
         if not self.spaces:
-            raise ArgumentError("a manifold needs at least one factor, such as R(3) or S3")
+            raise ArgumentError("spaces is empty; give at least one factor, such as R(3) or S3")
 
     def __mul__(self, other: "Manifold") -> "Manifold":
         """Product of two manifolds: points side by side."""
@@ -78,6 +78,7 @@ class Manifold(Part):
         axis : str
             ``"x"``, ``"y"`` or ``"z"``.
         """
+        choice("axis", axis, ("x", "y", "z"))
         return Manifold(
             tuple(Rotations(axis) if isinstance(s, Rotations) else s for s in self.spaces)
         )
@@ -217,6 +218,7 @@ class Manifold(Part):
             A (..., n, n), b (..., n), n = 2 or 3; or of the columns already, A (..., w, w), with
             left multiplications for quaternions, which is checked.
         """
+        frame = instance("frame", frame, Frame, "give Frame(A, b)")
         A, b = frame.A, frame.b
         if A.shape[-1] == self.width and not self._lone:
             return self._checked(frame)

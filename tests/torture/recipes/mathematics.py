@@ -71,13 +71,23 @@ REGRESSION = tp.Regression.of(GMM, (0,))
 TPGMR = tp.fit_tp_gmr(DEMONSTRATIONS, 2)
 TPTRAJECTORY = tp.fit_tp_trajectory(DEMONSTRATIONS, 2)
 KMP = tp.KMP(TIME, tp.Gaussian(PATHS[0], 0.1 * np.eye(2)), 0.2)
+POSE, PLACES_IN_SPACE = tp.R(3) * tp.S3, np.ones((5, 3))
 STRUCTURES = {"covariance": set()}
 
 
 def book() -> Book:
     """All of them."""
     book = Book()
-    for chapter in (_values, _learning, _hidden, _retrieval, _processes, _control, _geometry):
+    for chapter in (
+        _values,
+        _manifolds,
+        _learning,
+        _hidden,
+        _retrieval,
+        _processes,
+        _control,
+        _geometry,
+    ):
         chapter(book)
     return book
 
@@ -163,6 +173,50 @@ def _values(book: Book) -> None:
     add("Stored.save", GAUSSIAN.save, path=str(FOLDER / "again.npz"))
     add("Stored.load", tp.Gaussian.load, words=("file",), path=str(saved))
     add("load", tp.load, words=("file",), path=str(saved))
+
+
+def _manifolds(book: Book) -> None:
+    add = book.add
+    add("R", tp.R, n=3, moves="vectors")
+    add("Manifold", tp.Manifold, spaces=POSE.spaces)
+    add("Manifold.mirrored", POSE.mirrored, axis="y")
+    two = np.hstack([PLACES_IN_SPACE[:3], QUATERNIONS])
+    words = ("x has", "y has", "points")
+    add("Manifold.log", POSE.log, words=words, x=two, y=two[::-1].copy())
+    add("Manifold.exp", POSE.exp, words=words, x=two, v=np.full((3, 6), 0.1))
+    add("Manifold.transport", POSE.transport, words=words, x=two, y=two[::-1].copy())
+    add("Manifold.distance", POSE.distance, words=words, x=two, y=two[::-1].copy())
+    add("Manifold.frame", POSE.frame, words=("A",), frame=tp.Frame(np.eye(3), np.ones(3)))
+    add("RiemannianGaussian", tp.RiemannianGaussian, manifold=POSE, mean=two, covariance=np.eye(6))
+    g = tp.RiemannianGaussian(POSE, two, 0.1 * np.eye(6))
+    add("RiemannianGaussian.__getitem__", g.__getitem__, index=1,
+        takes={"index": {"slice", "ellipsis"}})  # fmt: skip
+    add("RiemannianGaussian.log", g.log, x=two)
+    add("RiemannianGaussian.log_density", g.log_density, x=two)
+    add("RiemannianGaussian.sample", g.sample, rng=0, size=2)
+    add("RiemannianGaussian.marginal", g.marginal, dims=[0, 2])
+    add("RiemannianGaussian.condition", g.condition, words=("points", "x"), value=np.array([0.3]),
+        given=0, of=[1])  # fmt: skip
+    lifted = POSE.frame(tp.Frame(np.eye(3), np.ones(3)))
+    add("RiemannianGaussian.affine", g.affine, words=("frame",), A=lifted.A.copy(),
+        b=lifted.b.copy())  # fmt: skip
+    add("Unrolled.of", tp.Unrolled.of, words=("points",), manifold=POSE, points=two)
+    path = tp.Unrolled.of(POSE, two)
+    add("Unrolled", tp.Unrolled, manifold=POSE, points=two, axes=path.axes.copy(),
+        plane=path.plane.copy())  # fmt: skip
+    add("Unrolled.see", path.see, step=1, point=two[0])
+    add("Unrolled.roll", path.roll, step=1, plane=np.full(6, 0.1))
+    add("Unrolled.rolled", path.rolled, plane=np.full((3, 6), 0.1))
+    add("Unrolled.place", path.place, gaussian=g)
+    system = tp.integrator(6, 0.1)
+    plan = tp.lqt_on(g, system, 0.1)
+    add("lqt_on", tp.lqt_on, words=("points", "precisions"), reference=g, system=system, effort=0.1,
+        initial=two[0])  # fmt: skip
+    add("ManifoldPlan", tp.ManifoldPlan, path=plan.path, feedback=plan.feedback)
+    add("ManifoldPlan.acceleration", plan.acceleration, words=("point",), step=1, point=two[0],
+        velocity=np.zeros(6))  # fmt: skip
+    add("ManifoldPlan.rollout", plan.rollout, words=("point", "initial"), point=two[0],
+        velocity=np.zeros(6))  # fmt: skip
 
 
 def _learning(book: Book) -> None:

@@ -50,7 +50,7 @@ def test_known_equations_lead_to_their_functions():
     assert named[3] == {"tpsim.gaussian_product"}
     assert "tpsim.TPGMM.adapt" in named[5] & named[6]
     assert named[19] >= {"tpsim.match_moments", "tpsim.gmr"}
-    assert named[33] == {"tpsim.integrator"}
+    assert "tpsim.integrator" in named[33]
     assert "tpsim.lqt_batch" in named[37]
     rows = ("joint", "absolute", "relative")
     rows += ("nullspace_joint", "nullspace_absolute", "nullspace_relative")

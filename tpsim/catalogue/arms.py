@@ -2,11 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, Literal
 
 import mujoco
 
 from tpsim.border import checked
+from tpsim.checks import shown
 from tpsim.errors import ArgumentError
 from tpsim.robot.anatomy import elbow
 from tpsim.robot.gripper import Gripper, add_frame
@@ -59,6 +61,8 @@ class Arms:
 
     def __post_init__(self) -> None:
         checked(self)
+        if not isinstance(self.file, str | Path | mujoco.MjSpec):
+            raise ArgumentError(f"file is {shown(self.file)}; give MJCF: path, text or a MjSpec")
         if "left" not in self.grippers:
             raise ArgumentError("arms without a left one: a robot of one arm has a left one")
 

@@ -552,13 +552,11 @@ def _control(book: Book) -> None:
     add(
         "lab.TimedIntervention",
         lab.TimedIntervention,
-        words=("every",),
         skill=_timed_skill(),
         effort=0.05,
         until=0.3,
         prior=prior,
         period=0.03,
-        timestep=0.001,
     )
     tracked = lab.Site("tip").position[:2]
     states = np.tile(np.eye(4), (2, 1, 1))
@@ -832,6 +830,7 @@ def _studies(book: Book) -> None:
         lead="l",
     )
     add("lab.Study.about", STUDY.about, words=("task", "study"), task=TASK)
+    add("lab.Study.in_world", STUDY.in_world, world=WORLD)
     add(
         "lab.Study.with_task",
         STUDY.with_task,

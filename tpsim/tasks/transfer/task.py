@@ -34,6 +34,7 @@ from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
 from tpsim.tasks.one_hand import furnished
 from tpsim.tasks.transfer import docks
 from tpsim.tasks.workplace import DEFAULT, size_for, size_of
+from tpsim.world.object_path import put_objects
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
 from tpsim.world.perception import Perception
 from tpsim.world.rehearsal import hindrance
@@ -52,6 +53,9 @@ ARRIVED = {"position": 0.005, "orientation": float(np.radians(3.0))}
 
 MISSED = 10.0
 """How many times farther than that the hand counts as unable to reach it."""
+
+WIDER = (1.0, 1.5, 2.0, 3.0)
+"""How many times wider than the arm's size the docks are: the first in which its hand fits."""
 
 # Apart, since a few demonstrations do not show how position and orientation depend on each other.
 SEEN = {
@@ -232,12 +236,27 @@ def arm(robot: Robot, site: str) -> tuple[str, ...]:
 
 @lru_cache(maxsize=4)
 def _world(name: str) -> World:
-    """The world of a robot with its docks."""
+    """The world of a robot with its docks, which are as wide as its hand needs them."""
     robot = find(name)
     held = {"sugar": Held("sugar", docks.GRIPPER, (0, 0, 0.006))}
     size = size_of(robot)
-    objects = {
-        dock: Placed("dock", tuple(pose.position.tolist()), size=size)
-        for dock, pose in docks.home(robot).items()
-    }
-    return furnished(robot, name, objects, held)
+    for wider in WIDER:
+        objects = {
+            dock: Placed("dock", tuple(pose.position.tolist()), size=wider * size)
+            for dock, pose in docks.home(robot).items()
+        }
+        found = furnished(robot, name, objects, held)
+        if _fits(found):
+            break
+    return found
+
+
+def _fits(world: World) -> bool:
+    """Whether the hand is in the first dock without touching it."""
+    simulation, placed = world.simulation(), docks.home(world.robot)
+    try:
+        simulation.reset(docks.start_posture(world, placed, np.random.default_rng(0)))
+    except SimulationError:
+        return True  # so far away nothing is said about its size
+    put_objects(docks.at_rest(placed), simulation)
+    return not simulation.touches

@@ -58,12 +58,15 @@ class Placed:
         Red, green, blue of what the model paints.
     size : float
         Factor on the model, whose shapes are then primitive ones.
+    solid : bool
+        Whether other things touch it, where its model says so; else they pass through it.
     """
 
     model: str
     position: Point = (0.0, 0.0, 0.0)
     paint: Point | None = None
     size: Positive = 1.0
+    solid: bool = True
 
     def __post_init__(self) -> None:
         checked(self)
@@ -145,7 +148,7 @@ def _furnish(
     for k, (name, thing) in enumerate(objects.items()):
         placed = Placed(thing) if isinstance(thing, str) else thing
         paint = placed.paint or PAINTS[k % len(PAINTS)]
-        place(spec, placed.model, name, placed.position, paint, placed.size)
+        place(spec, placed.model, name, placed.position, paint, placed.size, placed.solid)
     for name, item in held.items():
         hold(spec, item.model, name, item.site, item.position, item.axes)
     for name, view in cameras.items():

@@ -34,13 +34,14 @@ def place(
     position: Sequence[float],
     paint: Sequence[float] | None = None,
     size: float = 1.0,
+    solid: bool = True,
 ) -> None:
     """Put ``models/<model>.xml`` into the world under ``name``, at ``position (3,)`` m.
 
     ``paint`` (r, g, b) colours what the model paints; ``size`` is a factor on its shapes; a model
-    that is a mocap body can be moved while a simulation runs.
+    that is a mocap body can be moved in a simulation; nothing touches what is not ``solid``.
     """
-    _attach(spec, model, name, spec.worldbody.add_frame(pos=position), size)
+    _attach(spec, model, name, spec.worldbody.add_frame(pos=position), size, solid)
     painted = spec.material(f"{name}_paint")
     if paint is not None and painted is not None:
         painted.rgba = (*paint, 1)
@@ -170,7 +171,12 @@ def camera(
 
 
 def _attach(
-    spec: mujoco.MjSpec, model: str, name: str, frame: mujoco.MjsFrame, size: float = 1.0
+    spec: mujoco.MjSpec,
+    model: str,
+    name: str,
+    frame: mujoco.MjsFrame,
+    size: float = 1.0,
+    solid: bool = True,
 ) -> None:
     """Attach a model at ``frame``; its body, and what is called as this, is called ``name`` here.
 
@@ -182,6 +188,9 @@ def _attach(
         for geom in child.geoms:
             geom.pos, geom.size = size * geom.pos, size * geom.size
             geom.fromto = size * geom.fromto
+    if not solid:
+        for geom in child.geoms:
+            geom.contype = geom.conaffinity = 0
     inside = body.name
     spec.attach(child, frame=frame, prefix=f"{name}_")
     for kind in (spec.body, spec.geom, spec.site):

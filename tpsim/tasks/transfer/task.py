@@ -54,9 +54,6 @@ ARRIVED = {"position": 0.005, "orientation": float(np.radians(3.0))}
 MISSED = 10.0
 """How many times farther than that the hand counts as unable to reach it."""
 
-WIDER = (1.0, 1.5, 2.0, 3.0)
-"""How many times wider than the arm's size the docks are: the first in which its hand fits."""
-
 # Apart, since a few demonstrations do not show how position and orientation depend on each other.
 SEEN = {
     (name, part): view
@@ -236,13 +233,13 @@ def arm(robot: Robot, site: str) -> tuple[str, ...]:
 
 @lru_cache(maxsize=4)
 def _world(name: str) -> World:
-    """The world of a robot with its docks, which are as wide as its hand needs them."""
+    """The world of a robot with its docks: solid, unless its hand is too wide for them."""
     robot = find(name)
     held = {"sugar": Held("sugar", docks.GRIPPER, (0, 0, 0.006))}
     size = size_of(robot)
-    for wider in WIDER:
+    for solid in (True, False):
         objects = {
-            dock: Placed("dock", tuple(pose.position.tolist()), size=wider * size)
+            dock: Placed("dock", tuple(pose.position.tolist()), size=size, solid=solid)
             for dock, pose in docks.home(robot).items()
         }
         found = furnished(robot, name, objects, held)

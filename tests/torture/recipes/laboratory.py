@@ -533,6 +533,7 @@ def _control(book: Book) -> None:
     add(
         "lab.SemiMarkovTracking",
         lab.SemiMarkovTracking,
+        words=("every",),
         view=tracked,
         model=hsmm,
         dt=0.03,

@@ -4,7 +4,17 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from tpsim import GMM, HSMM, TPGMM, Frame, Gaussian, SemiMarkovChain, fit_gmm
+from tpsim import (
+    GMM,
+    HSMM,
+    TPGMM,
+    Constraint,
+    Frame,
+    Gaussian,
+    SemiMarkovChain,
+    fit_gmm,
+    joint_speed,
+)
 from tpsim.controllers.semi_markov import SemiMarkovTracking
 from tpsim.errors import ArgumentError
 from tpsim.robot.views.sites import Site
@@ -132,3 +142,14 @@ def test_a_loop_goes_round_for_ever_in_its_frame(perform):
     np.testing.assert_allclose(radius[100:], 0.07, atol=0.015)
     with pytest.raises(ArgumentError, match="give frames"):
         perform(model=model)
+
+
+def test_it_keeps_within_constraints(perform):
+    """As fast as it may be, and later there; the push of its motors is limited as well."""
+    slow = joint_speed([0.12, 0.12])  # of y: the states are [y, dy]
+    weak = Constraint("push", [-1.5] * 2, [1.5] * 2, control=np.eye(2))
+    free, _ = perform(seconds=3.0)
+    path, _ = perform(seconds=3.0, constraints=lambda state: [slow, weak])
+    speeds = [np.abs(np.diff(p, axis=0)).max() / 0.01 for p in (free, path)]
+    assert speeds[0] > 0.25 and speeds[1] < 0.15
+    assert path[-1, 0] < free[-1, 0] - 0.1 and path[-1, 0] > 0.15

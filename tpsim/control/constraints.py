@@ -133,7 +133,8 @@ def joint_torque(limit: ArrayLike, mass: ArrayLike, bias: ArrayLike = 0.0) -> Co
 def _limits(name: str, side: str, value: object) -> np.ndarray:
     """Limits as an array that may be infinite, or an ArgumentError."""
     given = array_of(f"{side} of constraint '{name}'", value)
-    if given.dtype.kind not in "iuf" or not given.size:
+    masked = isinstance(value, np.ma.MaskedArray)
+    if masked or given.dtype.kind not in "iuf" or not given.size:
         raise ArgumentError(
             f"{side} of constraint '{name}' is {shown(value)}; give limits (c,) or (T, c)"
         )

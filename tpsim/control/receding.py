@@ -69,7 +69,9 @@ def receding_horizon(
         if not t:
             states = [checked_state(initial, now.size[0])]
         means, precisions = reference(t, states[-1])
-        kept = constraints(t, states[-1]) if callable(constraints) else constraints
+        kept: object = constraints
+        if callable(constraints) and not isinstance(constraints, type):
+            kept = constraints(t, states[-1])
         if kept := several("constraints", kept, Constraint):
             plan = constrained_lqt(
                 means, precisions, now, effort, states[-1], kept, infeasible="relax"

@@ -6,6 +6,8 @@ import numpy as np
 
 from tpsim.border import Count, Positive, border
 from tpsim.checks import Seed, generator, instance
+from tpsim.control.constrained import constrained_lqt
+from tpsim.control.constraints import Constraint
 from tpsim.control.lqt import lqt
 from tpsim.control.references import state_references
 from tpsim.control.system import integrator
@@ -25,7 +27,10 @@ from tpsim.world.impedance import Impedance
 Frames = Callable[[State], Sequence[Frame]]
 """Frames of a view's coordinates, as they are now."""
 
-STRAY, SLIP = 0.5, 0.5
+Limits = Callable[[State], Sequence[Constraint]]
+"""Constraints on states [y, dy] and controls ddy, as they are now."""
+
+STRAY, SLIP = 1.0, 0.5
 """Share of the movement's usual speed by which a hand may be slower or faster without being held,
 and of what it moves in half a stay by which it may stray: it yields to whoever touches it."""
 
@@ -56,6 +61,9 @@ class SemiMarkovTracking(RenewedImpedance):
         Steps that are looked ahead.
     frames : callable, optional
         ``frames(state)``: the frames of y as they are now, for a model that lives in frames.
+    constraints : callable, optional
+        ``constraints(state)``: what every plan keeps. Where none keeps all, those on [y, dy] are
+        missed by as little as can be; ``missed`` says which, and by how much at most.
     pace : Pace, optional
     timestep : float
         Of the control [s].
@@ -74,6 +82,7 @@ class SemiMarkovTracking(RenewedImpedance):
         effort: Positive,
         horizon: Count = 30,
         frames: Frames | None = None,
+        constraints: Limits | None = None,
         pace: Pace | None = None,
         timestep: Positive = 1e-3,
         rng: Seed = None,
@@ -85,7 +94,8 @@ class SemiMarkovTracking(RenewedImpedance):
         self.view, self.model, self.frames, self.horizon = view, model, frames, horizon
         self.effort, self._filter = effort, ProgressFilter(chain, pace)
         self._ahead = ProgressFilter(chain if rng is None else _decided(chain, rng), pace)
-        self._dt = dt
+        self._dt, self.constraints = dt, constraints
+        self.missed: dict[str, float] = {}
         self._belief: Belief | None = None
         self._rest: np.ndarray | None = None
 
@@ -109,9 +119,18 @@ class SemiMarkovTracking(RenewedImpedance):
         assert self._belief is not None
         states = self._ahead.states_ahead(self._belief, self.horizon)
         references = state_references(gaussians, [states])
-        law = lqt(*references, integrator(d, self._dt, exact=True), self.effort)
+        problem = *references, integrator(d, self._dt, exact=True), self.effort
+        law = lqt(*problem)
         spring, brake = law.gain[0, :, :d], law.gain[0, :, d:]
-        return self._impedance(state, J, spring, brake, law.feedforward[0] - spring @ y)
+        pull = law.feedforward[0] - spring @ y
+        if self.constraints is not None and (kept := self.constraints(state)):
+            now = np.concatenate([y, speed])
+            plan = constrained_lqt(*problem, now, kept, infeasible="relax")
+            # The law's stiffness and damping, about what may be done.
+            pull = plan.controls[0] + brake @ speed
+            for name, most in plan.missed.items():
+                self.missed[name] = max(most, self.missed.get(name, 0.0))
+        return self._impedance(state, J, spring, brake, pull)
 
     def _see(self, gaussians: Gaussian, observed: np.ndarray, d: int) -> None:
         """Of a hand at v ticks a step a state expects v times its velocity."""

@@ -564,11 +564,13 @@ def _control(book: Book) -> None:
     add(
         "lab.SemiMarkovTracking",
         lab.SemiMarkovTracking,
+        words=("every",),
         view=tracked,
         model=hsmm,
         dt=0.03,
         effort=0.1,
         horizon=9,
+        constraints=lambda state: [],
         timestep=0.001,
         rng=0,
     )

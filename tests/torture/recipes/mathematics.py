@@ -570,6 +570,7 @@ def _hidden(book: Book) -> None:
     add(
         "SemiMarkovChain.through",
         tp.SemiMarkovChain.through,
+        words=("sequences",),
         sequences=[np.array([0, 0, 1]), np.array([1, 2])],
         components=3,
         spread=0.1,
@@ -911,6 +912,7 @@ def _control(book: Book) -> None:
         "Constraint",
         tp.Constraint,
         words=("constraint",),
+        takes={"lower": {"one inf"}, "upper": {"one inf"}},
         name="there",
         lower=np.array([-0.5]),
         upper=np.array([0.5]),

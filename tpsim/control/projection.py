@@ -81,7 +81,6 @@ def absolute(
     -------
     Frame
         A (..., n, m), b (..., n).
-
     """
     J, q, x = _checked(J, q, x)
     return _task_frame(number("gain", gain) * pseudoinverse(J, damping), q, -x)
@@ -115,7 +114,6 @@ def relative(
     -------
     Frame
         A (..., n, d), b (..., n).
-
     """
     J, q, x = _checked(J, q, x)
     A_object, b_object = _object(A_object, b_object, J)
@@ -147,7 +145,6 @@ def nullspace_joint(
     -------
     Frame
         A (..., n, n) of rank n - m, b (..., n).
-
     """
     J, q = _posture(J, q)
     return _task_frame(number("gain", gain) * nullspace(J, damping), q, -q)
@@ -179,7 +176,6 @@ def nullspace_absolute(
     -------
     Frame
         A (..., n, k), b (..., n).
-
     """
     J, q = _posture(J, q)
     J_other, q, x_other = _checked(J_other, q, x_other, "_other")
@@ -194,41 +190,57 @@ def nullspace_relative(
     A_object: ArrayLike,
     b_object: ArrayLike,
     *,
+    bend: float | None = None,
     gain: float = 1.0,
     clip: float | None = None,
     damping: float = 0.0,
 ) -> Frame:
     """Secondary task relative to an object, Eq. 44: A = N J~⁺ A_O, b = q + N J~⁺ (b_O - x~).
 
+    As printed it comes to rest where N J~⁺ e = 0, which is not where the error e = b_O - x~ is
+    least, that is N J~ᵀ e = 0. With ``bend`` the lift is a Newton step of the least error,
+    N J~ᵀ (J~ N J~ᵀ + bend |e| I)⁻¹ instead of N J~⁺, and rests where it should for any bend.
+
     Parameters
     ----------
-    J : array (..., m, n)
-        Jacobian of the task that comes first.
-    q : array (..., n)
-        Present posture [rad].
-    J_other, x_other : arrays (..., k, n), (..., k)
-        Jacobian and pose of the secondary task [m, rad].
+    J, q, J_other, x_other : arrays (..., m, n), (..., n), (..., k, n), (..., k)
+        As in :func:`nullspace_absolute`.
     A_object, b_object : arrays (..., k, d), (..., k)
         Orientation and position of the object of the secondary task.
+    bend : float, optional
+        Curvature of the way of what moves [m/rad²]: the length of a link. As printed without.
     gain, clip, damping : float
-        See the module.
+        See the module; with ``bend`` at least ``CUTOFF`` dampens.
 
     Returns
     -------
     Frame
         A (..., n, d), b (..., n).
-
     """
     J, q = _posture(J, q)
     J_other, q, x_other = _checked(J_other, q, x_other, "_other")
     A_object, b_object = _object(A_object, b_object, J_other)
     error = _clipped(b_object - x_other, clip)
-    return _task_frame(number("gain", gain) * _secondary(J, J_other, damping), q, error, A_object)
+    if bend is None:
+        lift = _secondary(J, J_other, damping)
+    else:
+        lift = _least(J, J_other, error, number("bend", bend, least=0), damping)
+    return _task_frame(number("gain", gain) * lift, q, error, A_object)
 
 
 def _secondary(J: np.ndarray, J_other: np.ndarray, damping: float) -> np.ndarray:
     """N(J) J_other⁺: the part of a secondary motion that the first task does not feel."""
     return nullspace(J, damping) @ pseudoinverse(J_other, damping)
+
+
+def _least(
+    J: np.ndarray, J_other: np.ndarray, error: np.ndarray, bend: float, damping: float
+) -> np.ndarray:
+    """The lift of a secondary task that comes nearest to its goal: N J~ᵀ (J~ N J~ᵀ + s I)⁻¹."""
+    free = J_other @ nullspace(J, damping)
+    s = max(damping, CUTOFF) ** 2 + bend * np.linalg.norm(error, axis=-1)
+    gram = free @ free.mT + s[..., None, None] * np.eye(free.shape[-2])
+    return np.linalg.solve(gram, free).mT
 
 
 def _task_frame(

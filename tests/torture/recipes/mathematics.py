@@ -1055,6 +1055,7 @@ def _geometry(book: Book) -> None:
         x_other=x[:1],
         A_object=np.eye(1),
         b_object=np.ones(1),
+        bend=0.3,
         clip=0.1,
         **options,
     )

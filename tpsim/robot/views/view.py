@@ -223,8 +223,8 @@ class Beneath(View):
     """A view in the nullspace of others, Eqs (42)-(44): its Jacobian is ``J~ N``.
 
     With ``N = I - J^+ J`` of what has priority, the posture of joints (Eq. 42) enters joint space
-    as ``N W N``. For a task-space view (Eqs 43, 44) ``N (J~ N)^+`` is the best that it can still
-    do; ``N J~^+`` as printed leads astray where both share a trunk.
+    as ``N W N``. A task-space view (Eqs 43, 44) has done its best where ``(J~ N)^T e = 0``; the
+    printed ``N J~^+`` rests elsewhere where both share a trunk (docs/priorities.md).
 
     Of an error e that cannot be removed as a whole, ``y = P e`` is the part that can be,
 

@@ -7,9 +7,8 @@ Eq. (44): how precise the demonstrations are in these four decides in reproducti
 A fifth frame, the arms' posture in the nullspace of both hands (Eq. 42), bends what is left.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -17,8 +16,10 @@ import numpy as np
 from tpsim.catalogue.ours import planar5
 from tpsim.controllers.product import Skill
 from tpsim.controllers.pursuit import Pursuit
+from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
-from tpsim.learning.tp_gmm import fit_tp_gmm
+from tpsim.learning.shrinkage import shrink_directions
+from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Object, Site
 from tpsim.robot.views.view import View
@@ -60,9 +61,10 @@ class Tracking(Task):
     components : int
         Gaussians of each behaviour.
     structure : str
-        Of the covariances. A few demonstrations show how much an error matters, not that it
-        matters more along the few directions in which the objects happened to be out of reach:
-        one precision for each frame, alike in all directions.
+        Of the covariances. ``"spherical"``: one precision for each frame, alike in all
+        directions. ``"learned"``: of full covariances as much of the shape as so many
+        demonstrations support (:func:`tpsim.shrink_directions`); with two components it keeps
+        priorities, but not the split of a compromise.
     bend : float
         Curvature of a hand's way as its arm stretches [m/rad^2]: the length of one link.
     carousel : Carousel
@@ -74,7 +76,7 @@ class Tracking(Task):
     taught: tuple[Teaching, ...] = TEACHINGS
     effort: float = 0.0007
     components: int = 1
-    structure: Literal["spherical", "diagonal", "full"] = "spherical"
+    structure: Literal["spherical", "diagonal", "full", "learned"] = "spherical"
     bend: float = 0.3
     carousel: Carousel = Carousel()  # noqa: RUF009 - a frozen value
     teacher: TeacherName = "firm"
@@ -103,18 +105,23 @@ class Tracking(Task):
 
     def behaviours(self) -> Mapping[str, Behaviour]:
         """The same candidate frames of every teaching."""
-        fit = partial(fit_tp_gmm, components=self.components, covariance=self.structure)
         return {
             behaviour(teaching): Behaviour(
                 self.views(),
                 TrackingTeacher(teaching, self.carousel, self.teacher),
-                fit,
+                self._fit,
                 # Nobody keeps both hands at objects that are too far apart.
                 {side: Goal(view, SHOWN) for side, view in HANDS.items() if side == teaching},
                 CUTOFF[self.teacher],
             )
             for teaching in self.taught
         }
+
+    def _fit(self, seen: Sequence[Demonstration]) -> TPGMM:
+        """A TP-GMM of the structure that is asked for."""
+        if self.structure != "learned":
+            return fit_tp_gmm(seen, self.components, covariance=self.structure)
+        return shrink_directions(fit_tp_gmm(seen, self.components), len(seen), given=())
 
     def situation(self, world: World, rng: np.random.Generator) -> Situation:
         """Draw paths of the objects; the hands start at them."""

@@ -52,7 +52,7 @@ PAGES = {
     "data": ("tpsim.data", None),
     "robot": ("tpsim.lab", ("", "robot", "catalogue")),
     "world": ("tpsim.lab", ("world", "scene", "film")),
-    "controllers": ("tpsim.lab", ("controllers",)),
+    "controllers": ("tpsim.lab", ("controllers", "control")),
     "task": ("tpsim.lab", ("task",)),
     "study": ("tpsim.lab", ("study", "campaign")),
     "deploy": ("tpsim.lab", ("deploy",)),

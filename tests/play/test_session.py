@@ -64,6 +64,17 @@ def test_a_hand_is_a_spring_with_limited_strength(study, models):
         np.testing.assert_allclose(pulled, wanted, rtol=1e-3)
 
 
+def test_the_hand_moves_within_thirty_milliseconds(session):
+    """Of a drag by 10 cm, a millimetre: browsers send what the mouse does every 50 ms."""
+    session.teach()
+    here = tip(session)
+    session.grab("me", "lower", here)
+    session.advance(10)
+    session.move("me", here + np.array([0.0, 0.1, 0.0]))
+    session.advance(round(0.03 / session.world.timestep))
+    assert np.linalg.norm(tip(session) - here) > 1e-3
+
+
 def test_the_drag_stops_where_it_is_let_go(session):
     session.grab("me", "lower", tip(session))
     session.move("me", [0, 0, 0])

@@ -84,7 +84,7 @@ class _Scene:
         self._joints = [self._model.joint(name).qposadr[0] for name in world.description.joints]
         put(self._model, self._data.qpos, world.description.fixed)
         mujoco.mj_kinematics(self._model, self._data)
-        server.scene.configure_environment_map(environment_intensity=0.35)
+        # Light stays as the viewer has it: what is set here is set anew at each repetition.
         server.scene.world_axes.visible = False
         look(server.initial_camera, world)
         self._bodies = dict(self._frames(faces))
@@ -144,6 +144,9 @@ class _Scene:
                     *_simple(model, geoms, faces),
                     color=(red, green, blue),
                     opacity=None if colour[3] == 1 else colour[3],
+                    # It shall also play where there is no graphics card.
+                    cast_shadow=False,
+                    receive_shadow=False,
                 )
 
     def _path(self, number: int, path: np.ndarray) -> "viser.LineSegmentsHandle":
@@ -153,6 +156,7 @@ class _Scene:
             np.stack([path[:-1], path[1:]], axis=1),
             GREYS[number % len(GREYS)],
             thickness=2.0,
+            thickness_units="screen",
         )
 
     def _draw(self, clip: Clip, sample: int) -> None:

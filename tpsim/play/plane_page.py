@@ -103,6 +103,7 @@ class PlanePage:
             np.stack([wall[:-1], wall[1:]], axis=1),
             (30, 40, 60),
             thickness=5,
+            thickness_units="screen",
         )
 
         @gizmo.on_update
@@ -161,7 +162,7 @@ class PlanePage:
         known = self._lines.get(name)
         if known is None or known.points.shape != points.shape:
             self._lines[name] = self.server.scene.add_line_segments(
-                f"/paths/{name}", points, colour, thickness=thickness
+                f"/paths/{name}", points, colour, thickness=thickness, thickness_units="screen"
             )
         else:
             known.points = points.astype(np.float32)
@@ -174,7 +175,11 @@ class PlanePage:
             x = np.column_stack([demonstration.data[:, :2], np.zeros(len(demonstration.data))])
             self._demonstrations.append(
                 self.server.scene.add_line_segments(
-                    f"/shown/{k}", np.stack([x[:-1], x[1:]], axis=1), GREY, thickness=1.5
+                    f"/shown/{k}",
+                    np.stack([x[:-1], x[1:]], axis=1),
+                    GREY,
+                    thickness=1.5,
+                    thickness_units="screen",
                 )
             )
 

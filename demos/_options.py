@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from tpsim import GMM, Demonstration, Gaussian, SemiMarkovChain
+from tpsim import GMM, Demonstration, SemiMarkovChain
 
 STEPS, DT = 180, 0.02
 PIECES = (("upper", 0.0, 0.2), ("upper", 0.05, 0.95), ("lower", 0.05, 0.95), ("lower", 0.8, 1.0))
@@ -29,28 +29,9 @@ def pieces() -> list[np.ndarray]:
 
 
 def chain_of(gmm: GMM, data: Sequence[np.ndarray]) -> SemiMarkovChain:
-    """Chain of the states as they follow each other in the pieces, all that follow equally likely.
-
-    A piece may begin or end within a stay: where there are whole ones, they alone tell the duration
-    of a state, and otherwise the longest does.
-    """
-    K = gmm.components
-    follows, parts = np.zeros((K, K)), np.ones((K, 1))
-    stays: list[list[int]] = [[] for _ in range(K)]
-    sequences = [gmm.responsibilities(piece).argmax(1) for piece in data]
-    for states in sequences:
-        changes = np.flatnonzero(np.diff(states)) + 1
-        follows[states[changes - 1], states[changes]] = 1
-        first, *inner, last = np.split(states, changes)
-        for stay in (first, last):
-            parts[stay[0]] = max(parts[stay[0], 0], len(stay))
-        for stay in inner:
-            stays[stay[0]].append(len(stay))
-    start = np.eye(K)[sequences[0][0]]
-    chances = follows / np.maximum(follows.sum(1, keepdims=True), 1)
-    whole_ones = zip(stays, parts, strict=True)
-    mean = np.array([[np.mean(stay)] if stay else part for stay, part in whole_ones])
-    return SemiMarkovChain(start, chances, Gaussian(mean, np.ones((K, 1, 1))))
+    """Chain of the states as they follow each other in the pieces."""
+    states = [gmm.responsibilities(piece).argmax(1) for piece in data]
+    return SemiMarkovChain.through(states, gmm.components, spread=0.0)
 
 
 def sample(chain: SemiMarkovChain, rng: np.random.Generator) -> np.ndarray:

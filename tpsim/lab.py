@@ -58,6 +58,7 @@ from tpsim.controllers.product import Skill as Skill
 from tpsim.controllers.pursuit import Pursuit as Pursuit
 from tpsim.controllers.renewed import FixedImpedance as FixedImpedance
 from tpsim.controllers.renewed import RenewedImpedance as RenewedImpedance
+from tpsim.controllers.semi_markov import SemiMarkovTracking as SemiMarkovTracking
 from tpsim.controllers.timed_intervention import TimedIntervention as TimedIntervention
 from tpsim.deploy.cartesian import CartesianLimits as CartesianLimits
 from tpsim.deploy.policy import Policy as Policy
@@ -116,6 +117,7 @@ from tpsim.world.people.demonstrator import Demonstrator as Demonstrator
 from tpsim.world.people.drag import Drag as Drag
 from tpsim.world.people.guide import Grip as Grip
 from tpsim.world.people.guide import Guide as Guide
+from tpsim.world.people.hold import Hold as Hold
 from tpsim.world.people.posture_script import hand_path as hand_path
 from tpsim.world.people.posture_script import through as through
 from tpsim.world.people.push import Push as Push

@@ -7,6 +7,12 @@ from tpsim import rotation as rotation
 from tpsim.agreement import agree as agree
 from tpsim.archive import load as load
 from tpsim.control import projection as projection
+from tpsim.control.constrained import ConstrainedPlan as ConstrainedPlan
+from tpsim.control.constrained import constrained_lqt as constrained_lqt
+from tpsim.control.constraints import Constraint as Constraint
+from tpsim.control.constraints import joint_range as joint_range
+from tpsim.control.constraints import joint_speed as joint_speed
+from tpsim.control.constraints import joint_torque as joint_torque
 from tpsim.control.feedback import Feedback as Feedback
 from tpsim.control.feedback import Plan as Plan
 from tpsim.control.impedance import impedance as impedance
@@ -15,9 +21,10 @@ from tpsim.control.lqr import Regulator as Regulator
 from tpsim.control.lqr import lqr as lqr
 from tpsim.control.lqt import lqt as lqt
 from tpsim.control.lqt import lqt_batch as lqt_batch
-from tpsim.control.lqt import receding_horizon as receding_horizon
 from tpsim.control.planar import PlanarChain as PlanarChain
 from tpsim.control.planar import two_armed as two_armed
+from tpsim.control.receding import receding_horizon as receding_horizon
+from tpsim.control.references import state_references as state_references
 from tpsim.control.spring import damping_of as damping_of
 from tpsim.control.spring import spring_damper as spring_damper
 from tpsim.control.system import LinearSystem as LinearSystem
@@ -92,6 +99,10 @@ from tpsim.retrieval.gp_gmm import fit_gp_gmm as fit_gp_gmm
 from tpsim.retrieval.gp_kernel import SquaredExponential as SquaredExponential
 from tpsim.retrieval.kmp import KMP as KMP
 from tpsim.retrieval.lwr import lwr as lwr
+from tpsim.retrieval.passage import Passage as Passage
+from tpsim.retrieval.progress import Belief as Belief
+from tpsim.retrieval.progress import Pace as Pace
+from tpsim.retrieval.progress import ProgressFilter as ProgressFilter
 from tpsim.retrieval.promp import ProMP as ProMP
 from tpsim.retrieval.promp import TPProMP as TPProMP
 from tpsim.retrieval.promp import fit_promp as fit_promp

@@ -38,11 +38,11 @@ FURTHER = {
 }
 """What public functions return, beside what the rooms name."""
 
-KINDS = ("Beneath", "CartesianImpedance", "ComputedTorque", "Direction", "Drag",
-         "FiniteHorizon",
-         "FixedImpedance", "Guide", "Handover", "Joints", "Lead", "MinimalIntervention", "Objects",
-         "Offset", "OnPath", "OperationalSpace", "Part", "Pursuit", "Push", "RenewedImpedance",
-         "Spare", "TimedIntervention", "View", "Weightless")  # fmt: skip
+KINDS = ("Beneath", "CartesianImpedance", "ComputedTorque", "Direction", "Drag", "FiniteHorizon",
+         "FixedImpedance", "Guide", "Handover", "Hold", "Joints", "Lead", "MinimalIntervention",
+         "Objects", "Offset", "OnPath", "OperationalSpace", "Part", "Pursuit", "Push",
+         "RenewedImpedance", "SemiMarkovTracking", "Spare", "TimedIntervention", "View",
+         "Weightless")  # fmt: skip
 """Views, controllers and people."""
 
 INSIDE = {
@@ -83,6 +83,14 @@ INSIDE = {
          *(f"lab.Contest.{step}" for step in ("conditions", "figures", "forces", "led_from",
            "moved", "pushed_in", "standing"))],
         "the run calls it, with records and situations of its own",
+    ),
+    **dict.fromkeys(
+        ["Belief", "Belief.expected", "Passage.log_densities", "Passage.place"],
+        "made or called at every time step, unchecked",
+    ),
+    **dict.fromkeys(
+        ["Constraint.over", "LinearSystem.over"],
+        "called by tracking, with the numbers of its own problem",
     ),
     "lab.pareto": "takes NaN and infinity for what could not be measured",
     "lab.tune": "takes minutes; its arguments pass the border",

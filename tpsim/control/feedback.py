@@ -105,22 +105,21 @@ class Feedback(Stored):
         The diagonal blocks of S^u (S^uᵀ Σ_s⁻¹ S^u + R)⁻¹ S^uᵀ, the uncertainty of the least
         squares estimate Eq. 37, by one forward pass: u_t varies by the inverse curvature.
         """
-        system, closed, _ = self._closed_loop()
+        B, closed, _ = self._closed_loop()
         if self.curvature is None:
             raise ArgumentError("this feedback has no curvature; make it with lqt()")
-        B = system.B
-        noise = B @ np.linalg.inv(symmetric(self.curvature[:-1])) @ B.T
-        covariance = np.zeros((len(self.gain), *system.A.shape))
+        noise = B @ np.linalg.inv(symmetric(self.curvature[:-1])) @ B.mT
+        covariance = np.zeros((len(self.gain), *closed.shape[1:]))
         for t, F in enumerate(closed):
             covariance[t + 1] = F @ covariance[t] @ F.T + noise[t]
         return covariance
 
-    def _closed_loop(self) -> tuple[LinearSystem, np.ndarray, np.ndarray]:
-        """The system, the matrices A - B K_t (T - 1, n, n) and the drifts B k_t (T - 1, n)."""
+    def _closed_loop(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Matrices B (T - 1, n, m), A - B K_t (T - 1, n, n), and the drifts B k_t (T - 1, n)."""
         if self.system is None:
             raise ArgumentError("this feedback knows no system; give one or make it with lqt()")
-        A, B = self.system.A, self.system.B
-        return self.system, A - B @ self.gain[:-1], self.feedforward[:-1] @ B.T
+        A, B = self.system.over(len(self.gain) - 1)
+        return B, A - B @ self.gain[:-1], (B @ self.feedforward[:-1, :, None])[..., 0]
 
 
 def checked_state(state: ArrayLike, n: int) -> np.ndarray:

@@ -123,6 +123,11 @@ def _matrices(system, discrete):
             f"the system is {kind} (dt = {system.dt}) but discrete is {discrete}; "
             "call lqr(..., discrete=False) for a continuous system and only for one"
         )
+    if system.steps is not None:
+        raise ArgumentError(
+            f"the system changes over {system.steps} steps; an infinite horizon needs one that "
+            "stays as it is: give A (n, n) and B (n, m), or use lqt()"
+        )
     return system.A, system.B
 
 

@@ -1,13 +1,11 @@
-"""Finite-horizon linear quadratic tracking: recursive, batch and receding (Eqs 33-38)."""
-
-from collections.abc import Callable
+"""Finite-horizon linear quadratic tracking: recursive and batch (Eqs 33-38)."""
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg.lapack import dposv
 
 from tpsim.border import unchecked
-from tpsim.checks import HUGE, affordable, flag, instance
+from tpsim.checks import HUGE, flag
 from tpsim.control.feedback import Feedback, Plan, checked_state
 from tpsim.control.optimality import solve_optimality
 from tpsim.control.system import LinearSystem
@@ -30,7 +28,7 @@ def lqt(
         Symmetric positive semi-definite weights Λ_t. They may be singular and change over time
         (via points: zero at all other steps).
     system : LinearSystem
-        Discrete dynamics with n states and m controls.
+        Discrete dynamics with n states and m controls, of T - 1 steps where they change over time.
     effort : float, array (m, m) or (T, m, m)
         Cost R of the controls, positive. It may be zero (a matrix: semi-definite) where the
         precision alone determines every control.
@@ -88,7 +86,7 @@ def lqt_batch(
     """
     problem = tracking_problem(means, precisions, system, effort)
     if initial is not None:
-        initial = checked_state(initial, len(system.A))
+        initial = checked_state(initial, system.size[0])
     covariance = flag("covariance", covariance)
     if not problem.strict or initial is None or covariance:
         policy, curvature = _backward(problem, free_start=initial is None)
@@ -97,74 +95,30 @@ def lqt_batch(
     return Plan(states, controls[:-1], spread)
 
 
-def receding_horizon(
-    reference: Callable[[int, np.ndarray], tuple],
-    system: LinearSystem,
-    effort: ArrayLike,
-    initial: ArrayLike,
-    steps: int,
-) -> Plan:
-    """Online tracking: re-plan at every step over a horizon that moves with the situation.
-
-    Parameters
-    ----------
-    reference : callable
-        ``reference(t, state)`` -> (means (H, n), precisions (H, n, n)) from step t on, seen now
-        (in the frames as they are now); H may change, and P coordinate systems may lead.
-    system : LinearSystem
-        Discrete dynamics.
-    effort : float or array (m, m)
-        Cost of the controls.
-    initial : array (n,)
-        First state.
-    steps : int
-        Number of controls to apply.
-
-    Returns
-    -------
-    Plan
-        The movement made: states (steps + 1, n) and controls (steps, m).
-
-    Raises
-    ------
-    ArgumentError
-        As in :func:`lqt`.
-
-    """
-    n, m = instance("system", system, LinearSystem, "integrator(dim, dt)").B.shape
-    steps = affordable("steps", steps, system.A.size, least=0)
-    if not callable(reference):
-        raise ArgumentError(f"reference is a {type(reference).__name__}; give reference(t, state)")
-    states, controls = np.empty((steps + 1, n)), np.empty((steps, m))
-    states[0] = checked_state(initial, n)
-    for t in range(steps):
-        means, precisions = reference(t, states[t])
-        controls[t] = lqt(means, precisions, system, effort).control(0, states[t])
-        states[t + 1] = system.step(states[t], controls[t])
-    return Plan(states, controls)
-
-
 def _backward(problem: TrackingProblem, free_start: bool = False):
     """Policy (T, m, n + 1) and curvature (T, m, m) by dynamic programming.
 
     The cost-to-go is one quadratic form in (xi, 1). A step back adds the control to it and
     takes the Schur complement over u, whose minimiser is -policy (xi, 1).
     """
-    A, B = problem.system.A, problem.system.B
-    n, m = B.shape
+    n, m = problem.system.size
     T = len(problem.eta)
     k = n + 1
     stage = np.zeros((T, k + m, k + m))
     stage[:, :n, :n] = problem.Lambda
     stage[:, :n, n] = stage[:, n, :n] = -problem.eta
     stage[:, k:, k:] = problem.R
-    dynamics = np.zeros((k, k + m))
-    dynamics[:n, :n], dynamics[n, n], dynamics[:n, k:] = A, 1.0, B
-    transposed = np.ascontiguousarray(dynamics.T)
+    varies = problem.system.steps is not None
+    dynamics = np.zeros((T - 1 if varies else min(T - 1, 1), k, k + m))
+    some = slice(len(dynamics))
+    dynamics[:, :n, :n], dynamics[:, :n, k:] = problem.A[some], problem.B[some]
+    dynamics[:, n, n] = 1.0
+    transposed = np.ascontiguousarray(dynamics.mT)
     policy, curvature = np.zeros((T, m, k)), stage[:, k:, k:].copy()
     value = stage[-1, :k, :k]
     for t in range(T - 2, -1, -1):
-        step = stage[t] + transposed @ value @ dynamics
+        now = t if varies else 0
+        step = stage[t] + transposed[now] @ value @ dynamics[now]
         cross = step[k:, :k]
         _, policy[t], failed = dposv(step[k:, k:], cross)
         if failed:

@@ -17,17 +17,17 @@ def solve_optimality(
     lambda_t, and the gradients Λ xi_t + Aᵀ lambda_t - lambda_{t-1} = eta, R u + Bᵀ lambda = 0.
     A definite R eliminates u = -R⁻¹ Bᵀ lambda; a singular one keeps it as an unknown.
     """
-    A, B = problem.system.A, problem.system.B
-    n, m = B.shape
+    A, B = (_with_last(part) for part in (problem.system.A, problem.system.B))
+    n, m = problem.system.size
     if problem.strict:
-        lift = np.linalg.solve(problem.R, B.T)
+        lift = np.linalg.solve(problem.R, B.mT)
         inner = {(n, n): -B @ lift}
         size = 2 * n
     else:
-        inner = {(n, n): problem.R, (n, n + m): B.T, (n + m, n): B}
+        inner = {(n, n): problem.R, (n, n + m): B.mT, (n + m, n): B}
         size = 2 * n + m
     costate = size - n
-    blocks = {(0, 0): problem.Lambda, (0, costate): A.T, (costate, 0): A} | inner
+    blocks = {(0, 0): problem.Lambda, (0, costate): A.mT, (costate, 0): A} | inner
     band = _band_of(blocks, len(problem.eta), size, n)
     right = np.zeros((len(problem.eta), size))
     right[:, :n] = problem.eta
@@ -42,6 +42,13 @@ def solve_optimality(
     if problem.strict:
         return solution[:, :n], -(lift @ solution[:, n:, None])[..., 0]
     return solution[:, :n], solution[:, n : n + m]
+
+
+def _with_last(matrices: np.ndarray) -> np.ndarray:
+    """Matrices of T - 1 steps with one more for the last state, which acts on nothing."""
+    if matrices.ndim == 2:
+        return matrices
+    return np.concatenate([matrices, np.zeros_like(matrices, shape=(1, *matrices.shape[1:]))])
 
 
 def _band_of(blocks, T, size, n):

@@ -16,10 +16,10 @@ class LinearSystem(Stored):
 
     Parameters
     ----------
-    A : array (n, n)
-        State matrix.
-    B : array (n, m)
-        Input matrix.
+    A : array (n, n) or (S, n, n)
+        State matrix, or one for each of S steps.
+    B : array (n, m) or (S, n, m)
+        Input matrix, or one for each step.
     dt : float or None
         Time step [s]; None for a system in continuous time.
 
@@ -36,25 +36,66 @@ class LinearSystem(Stored):
 
     def __post_init__(self) -> None:
         A, B = frozen_array("A", self.A), frozen_array("B", self.B)
-        if A.ndim != 2 or A.shape[0] != A.shape[1] or B.ndim != 2 or B.shape[0] != A.shape[0]:
+        steps = {len(part) for part in (A, B) if part.ndim == 3}
+        fits = min(A.ndim, B.ndim) >= 2 and max(A.ndim, B.ndim) <= 3 and len(steps) < 2
+        if not fits or A.shape[-2] != A.shape[-1] or B.shape[-2] != A.shape[-1]:
             raise ArgumentError(
-                f"A has shape {A.shape} and B {B.shape}; give A (n, n) and B (n, m)"
+                f"A has shape {A.shape} and B {B.shape}; give A (n, n) and B (n, m), or as many "
+                "of each as there are steps, (S, n, n) and (S, n, m)"
             )
         if self.dt is not None:
             object.__setattr__(self, "dt", number("dt", self.dt, above=0, what="step [s]"))
         object.__setattr__(self, "A", A)
         object.__setattr__(self, "B", B)
 
-    def step(self, state: np.ndarray, control: np.ndarray) -> np.ndarray:
-        """Next state (..., n) of a discrete system: A state + B control."""
+    @property
+    def size(self) -> tuple[int, int]:
+        """Number of states n and of controls m."""
+        return self.B.shape[-2], self.B.shape[-1]
+
+    @property
+    def steps(self) -> int | None:
+        """Number of steps S of a system that changes over time; None where it does not."""
+        return next((len(part) for part in (self.A, self.B) if part.ndim == 3), None)
+
+    def over(self, steps: int) -> tuple[np.ndarray, np.ndarray]:
+        """Matrices A (steps, n, n) and B (steps, n, m) of the first steps, views of its own.
+
+        Raises
+        ------
+        ArgumentError
+            If it changes over time and has another number of steps.
+        """
+        if self.steps not in (None, steps):
+            raise ArgumentError(
+                f"the system has matrices for {self.steps} steps, {steps} are asked for: of T "
+                "states there are T - 1 steps"
+            )
+        n, m = self.size
+        return np.broadcast_to(self.A, (steps, n, n)), np.broadcast_to(self.B, (steps, n, m))
+
+    def step(self, state: np.ndarray, control: np.ndarray, t: int | None = None) -> np.ndarray:
+        """Next state (..., n) of a discrete system: A state + B control, at step t if it changes.
+
+        Raises
+        ------
+        ArgumentError
+            Shapes that do not fit, or a t that is missing or beyond the steps of the system.
+        """
         state, control = finite_array("state", state), finite_array("control", control)
-        n, m = self.B.shape
+        n, m = self.size
+        A, B = self.A, self.B
+        if self.steps is not None:
+            if t is None:
+                raise ArgumentError(f"the system changes over {self.steps} steps; give t as well")
+            t = whole("t", t, most=self.steps - 1)
+            A, B = (part[t] if part.ndim == 3 else part for part in (A, B))
         if state.shape[-1:] != (n,) or control.shape[-1:] != (m,):
             raise ArgumentError(
                 f"state has shape {state.shape} and control {control.shape}; give (..., {n}) and "
                 f"(..., {m})"
             )
-        following: np.ndarray = state @ self.A.T + control @ self.B.T
+        following: np.ndarray = state @ A.T + control @ B.T
         return following
 
 

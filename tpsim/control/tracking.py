@@ -18,6 +18,8 @@ class TrackingProblem:
     ----------
     system : LinearSystem
         Discrete dynamics with n states and m controls.
+    A, B : ndarray (T - 1, n, n), (T - 1, n, m)
+        Its matrices at every step.
     Lambda : ndarray (T, n, n)
         Precision of the reference; several coordinate systems add up (Eq. 38).
     eta : ndarray (T, n)
@@ -30,6 +32,8 @@ class TrackingProblem:
     """
 
     system: LinearSystem
+    A: np.ndarray
+    B: np.ndarray
     Lambda: np.ndarray
     eta: np.ndarray
     R: np.ndarray
@@ -43,7 +47,7 @@ def tracking_problem(
     if instance("system", system, LinearSystem, "integrator(dim, dt)").dt is None:
         raise ArgumentError("the system is continuous (dt = None); give integrator(dim, dt)")
     means, weights = finite_array("means", means), felt("precisions", precisions)
-    n, m = system.B.shape
+    n, m = system.size
     if (
         means.ndim not in (2, 3)
         or means.shape[-1] != n
@@ -56,10 +60,11 @@ def tracking_problem(
         )
     _check_semidefinite(weights, "precision")
     R, strict = _checked_effort(effort, means.shape[-2], m)
+    A, B = system.over(means.shape[-2] - 1)
     eta = (weights @ means[..., None])[..., 0]
     if means.ndim == 3:
         weights, eta = weights.sum(axis=0), eta.sum(axis=0)
-    return TrackingProblem(system, weights, eta, R, strict)
+    return TrackingProblem(system, A, B, weights, eta, R, strict)
 
 
 def _checked_effort(effort: ArrayLike, T: int, m: int) -> tuple[np.ndarray, bool]:

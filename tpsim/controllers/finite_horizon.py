@@ -10,9 +10,11 @@ from tpsim.border import Count, Positive, border
 from tpsim.control.impedance import impedance
 from tpsim.control.poses import SeenMovement, fuse_poses, track_poses
 from tpsim.control.system import integrator
+from tpsim.controllers.progress import ByClock, ByState, Progress
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
+from tpsim.learning.semi_markov import SemiMarkovChain
 from tpsim.pose import Pose
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
@@ -76,6 +78,10 @@ class FiniteHorizon(RenewedImpedance):
         Cost r of torque [1/(Nm)^2], against the log-likelihood of the movement.
     every : int
         Time steps for which stiffness, damping and the velocity of the reference last.
+    chain : SemiMarkovChain, optional
+        Of the movement's states, with durations in steps of ``dt`` that add up to it. Progress is
+        then inferred from the hand: held it stands still, pushed on it hurries. By default the
+        clock says how far the movement has come.
     """
 
     @border
@@ -91,6 +97,7 @@ class FiniteHorizon(RenewedImpedance):
         dt: Positive,
         effort: Positive,
         every: Count = PERIOD,
+        chain: SemiMarkovChain | None = None,
     ):
         super().__init__(every)
         self.objects, self.movements, self.posture = tuple(objects), tuple(movements), posture
@@ -109,6 +116,13 @@ class FiniteHorizon(RenewedImpedance):
                 f"posture has means of shape {posture.mean.shape}; with these joints and movements "
                 f"give ({len(movements[0])}, {len(joints)})"
             )
+        if chain is not None and round(float(chain.durations.mean.sum())) != len(posture.mean):
+            raise ArgumentError(
+                f"stays of the chain add up to {chain.durations.mean.sum():g} steps and the "
+                f"movement has {len(posture.mean)}; give SemiMarkovChain.along(its states)"
+            )
+        self.chain = chain
+        self._progress: Progress = ByClock() if chain is None else ByState(chain, dt)
         self._system = integrator(6, dt, exact=True)
         self._steps, self._tail = len(movements[0]), round(TAIL / dt)
         # The costs of torque change slowly: one posture stands for some of its neighbours.
@@ -157,9 +171,10 @@ class FiniteHorizon(RenewedImpedance):
             self._rest = state.q
         if time >= self._next_look:
             self._look(state, time)
-        step, spring, change = self._law(time)
         seen = self._view(state)
         J, M = seen.jacobian[:, arm], state.mass
+        when, pace = self._progress.at(time, seen.value, J @ state.dq[arm])
+        step, spring, change = self._law(when)
         lever = J.T @ self._felt_inertia(M[arm, arm], J)
         null = M[arm, arm] - lever @ J
         swivel = null @ self._swivels[step]
@@ -173,7 +188,7 @@ class FiniteHorizon(RenewedImpedance):
         # Only what pulls is cut: the brakes must hold what it has set in motion.
         cut = max(1.0, np.sqrt(pull * pull @ self._weakest))
         stiffness[arm, arm] /= cut
-        wanted = np.stack([pull, lever @ (change @ y)], axis=1) / cut
+        wanted = np.stack([pull, pace * lever @ (change @ y)], axis=1) / cut
         way, speed = np.linalg.solve(stiffness[arm, arm], wanted).T
         way -= np.linalg.solve(stiffness[arm, arm], damping[arm, arm] @ speed)
         reference, velocity = self._rest.copy(), np.zeros(state.robot.n)
@@ -187,13 +202,16 @@ class FiniteHorizon(RenewedImpedance):
         seen = np.concatenate([part.ravel() for pose in objects for part in pose])
         if self._seen is None or np.abs(seen - self._seen).max() > MOVED:
             self._seen = seen
-            self._plan(min(round(time / self.dt), self._steps - 1), objects)
+            # Who may be held or led back needs the law of the whole movement.
+            first = 0 if self.chain is not None else min(round(time / self.dt), self._steps - 1)
+            self._plan(first, objects)
 
     def _plan(self, first: int, poses: Sequence[Pose]) -> None:
         """Make the law from a step of the movement to its end."""
         rest = [movement.from_step(first) for movement in self.movements]
         reference = poses[-1][0] @ rest[-1].reference
         means, precisions, fused = fuse_poses(rest, poses, reference)
+        self._progress.follow(Gaussian.trusted(fused, np.linalg.inv(precisions.sum(0))))
         turning = np.broadcast_to(np.eye(6), precisions.shape[1:]).copy()
         turning[:, 3:, 3:] = rotation.left_jacobian(fused[:, 3:])
         effort = turning.mT @ self._costs[first:] @ turning

@@ -26,6 +26,7 @@ from tpsim.deploy.values import Reader, taken_apart
 from tpsim.errors import ArgumentError, RecordingError, TpsimError, one_line
 from tpsim.gaussian import Gaussian
 from tpsim.learning.free_movement import Relevance
+from tpsim.learning.semi_markov import SemiMarkovChain
 from tpsim.npz import read_members, write_members
 from tpsim.pose import Pose
 from tpsim.robot.indices import Chain
@@ -80,7 +81,7 @@ class _Whole:
 
 
 _PARTS = (
-    *(_Whole, Content, RobotFile, WrittenSkill, Gaussian, Relevance, SeenMovement),
+    *(_Whole, Content, RobotFile, WrittenSkill, Gaussian, Relevance, SeenMovement, SemiMarkovChain),
     *(Site, Object, Chain),
 )
 _RECIPES = (InterventionRecipe, PursuitRecipe, TimedRecipe, HorizonRecipe, FixedRecipe)

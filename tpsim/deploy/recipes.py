@@ -16,6 +16,7 @@ from tpsim.controllers.timed_intervention import TimedIntervention
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.free_movement import Relevance
+from tpsim.learning.semi_markov import SemiMarkovChain
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.retrieval.tp_gmr import Order
 from tpsim.robot.robot import Robot
@@ -203,6 +204,7 @@ class HorizonRecipe(Recipe):
     site: str
     dt: float
     effort: float
+    chain: SemiMarkovChain | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -222,6 +224,7 @@ class HorizonRecipe(Recipe):
             dt=self.dt,
             effort=self.effort,
             every=self._every(period),
+            chain=self.chain,
         )
 
 
@@ -271,7 +274,7 @@ def recipe_of(controller: object, period: float) -> Recipe:
         return TimedRecipe(lasts, timed.prior, False, timed.effort, skill, until, order)
     if isinstance(controller, FiniteHorizon) and kind is FiniteHorizon:
         f = controller
-        parts = f.objects, f.movements, f.posture, f.joints, f.site, f.dt, f.effort
+        parts = f.objects, f.movements, f.posture, f.joints, f.site, f.dt, f.effort, f.chain
         return HorizonRecipe(f.every * period, *parts)
     if isinstance(controller, FixedImpedance) and kind is FixedImpedance:
         return FixedRecipe(period, controller.posture, controller.stiffness)

@@ -13,7 +13,7 @@ import numpy as np
 
 from tpsim.archive import Part
 from tpsim.border import Count, Positive, Steps, border
-from tpsim.checks import affordable, frozen_array
+from tpsim.checks import affordable, array_of, frozen_array
 from tpsim.errors import ArgumentError
 from tpsim.learning.gmm import checked_priors, posterior
 
@@ -176,6 +176,23 @@ def checked_transitions(transitions: np.ndarray, components: int) -> np.ndarray:
     if (transitions < 0).any() or (np.minimum(abs(sums), abs(sums - 1)) > 1e-6).any():
         raise ArgumentError(f"rows of transitions sum to {sums}; each must be a distribution")
     return transitions
+
+
+def visited(name: str, states: object, components: int | None = None) -> np.ndarray:
+    """A sequence of states (T,), of ``components`` ones if that is known, or an ArgumentError."""
+    found = array_of(name, states)
+    allowed = "0, 1, 2, ..." if components is None else f"0..{components - 1}"
+    if found.ndim != 1 or not np.issubdtype(found.dtype, np.integer):
+        raise ArgumentError(f"{name} must be (T,) integers, got {found.dtype} {found.shape}")
+    if found.size == 0:
+        raise ArgumentError(f"{name} visit no state: the sequence is empty; give one of {allowed}")
+    beyond = found < 0 if components is None else (found < 0) | (found >= components)
+    if beyond.any():
+        raise ArgumentError(
+            f"{name} has {found[beyond][0]} at step {beyond.argmax()}; states must be one or more "
+            f"of {allowed}"
+        )
+    return found
 
 
 def draw(probability: np.ndarray, rng: np.random.Generator) -> int:

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tpsim.archive import Part
 from tpsim.border import Count, NotNegative, Positive, Steps, border
-from tpsim.checks import instance, number
+from tpsim.checks import affordable, entries, instance, number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.gmm import checked_priors, posterior
@@ -22,6 +23,7 @@ from tpsim.learning.markov import (
     padded,
     successors,
     updated,
+    visited,
 )
 from tpsim.learning.segments import (
     backward_segments,
@@ -94,6 +96,81 @@ class SemiMarkovChain(Part):
             least,
         )
 
+    @classmethod
+    @border
+    def along(cls, states: object, spread: NotNegative = 0.1) -> "SemiMarkovChain":
+        """Chain of the stays of one sequence of states (T,), one after the other.
+
+        Its states are the runs of equal numbers, in their order; a duration deviates by ``spread``
+        times the mean stay, or one step.
+
+        Raises
+        ------
+        ArgumentError
+            If the sequence visits no state.
+        """
+        states = visited("states", states)
+        stays = np.diff(np.flatnonzero(np.diff(states, prepend=-1, append=-1))).astype(float)
+        variance = max(1.0, (spread * stays.mean()) ** 2)
+        durations = Gaussian(stays[:, None], np.full((len(stays), 1, 1), variance))
+        return cls(np.eye(len(stays))[0], np.eye(len(stays), k=1), durations, variance)
+
+    @classmethod
+    def through(
+        cls, sequences: Sequence[ArrayLike], components: int, spread: float = 0.1
+    ) -> "SemiMarkovChain":
+        """Chain of states as they follow each other in parts of a movement, in any order (Fig. 8).
+
+        Parameters
+        ----------
+        sequences : sequence of (T_m,)
+            States of each part, integers 0 ... K - 1: those that several parts pass join them.
+            Where parts go on differently from a state, all ways are equally likely.
+        components : int
+            Number of states K; those that no part visits are never reached.
+        spread : float
+            Deviation of a duration, as a share of the mean stay; one step at least.
+
+        Returns
+        -------
+        SemiMarkovChain
+            It begins in the states that no part enters, or where all are entered, as in a loop,
+            with the first part. A part may begin or end within a stay: where there are whole ones
+            they alone tell the duration of a state, and otherwise the longest does.
+
+        Raises
+        ------
+        ArgumentError
+            Where a part visits no state, or one that is not there.
+        """
+        K = affordable("components", components)
+        spread = number("spread", spread, least=0)
+        given = entries("sequences", sequences)
+        parts = [visited(f"sequences[{m}]", part, K) for m, part in enumerate(given)]
+        if not parts:
+            raise ArgumentError("sequences visit no state: there is none; give at least one")
+        follows, longest, stays = np.zeros((K, K)), np.ones(K), [[0.0] for _ in range(K)]
+        for states in parts:
+            changes = np.flatnonzero(np.diff(states)) + 1
+            follows[states[changes - 1], states[changes]] = 1.0
+            first, *inner, last = np.split(states, changes) if len(changes) else [states, states]
+            for stay in (first, last):
+                longest[stay[0]] = max(longest[stay[0]], len(stay))
+            for stay in inner:
+                stays[stay[0]].append(float(len(stay)))
+        mean = np.array([np.mean(s[1:]) if len(s) > 1 else longest[k] for k, s in enumerate(stays)])
+        seen = np.isin(np.arange(K), np.concatenate(parts))
+        begins = (seen & ~follows.any(0)).astype(float)
+        if not begins.any():
+            begins[parts[0][0]] = 1.0
+        variance = max(1.0, (spread * mean[seen].mean()) ** 2)
+        return cls(
+            begins / begins.sum(),
+            follows / np.maximum(follows.sum(1, keepdims=True), 1),
+            Gaussian(mean[:, None], np.full((K, 1, 1), variance)),
+            variance,
+        )
+
     def expectation(self, sequences: Sequence[np.ndarray]) -> Expectation:
         """E-step for sequences of log densities (T_m, K), whose last stays are complete."""
         densities, lengths = padded(sequences)
@@ -164,11 +241,16 @@ class SemiMarkovChain(Part):
             state = draw(self.transitions[state], rng)
         return np.array(states[:steps])
 
+    @property
+    def longest(self) -> int:
+        """Steps after which a stay is over for certain, where something follows the state."""
+        return _longest(self.durations.mean[:, 0], self.durations.covariance[:, 0, 0])
+
     @border
     def log_durations(self, longest: Steps) -> tuple[np.ndarray, np.ndarray]:
         """Log probabilities that a stay lasts 1 ... L steps, and at least as many, (L, K)."""
         mean, variance = self.durations.mean[:, 0], self.durations.covariance[:, 0, 0]
-        durations = _log_stays(mean, variance, longest)
+        durations = _log_stays(mean, variance, max(longest, self.longest))
         survival = np.logaddexp.accumulate(durations[::-1])[::-1]
         survival = np.where(self.transitions.any(1), survival, 0.0)
         return durations[:longest], survival[:longest]
@@ -180,15 +262,19 @@ class SemiMarkovChain(Part):
         return occupancy(segments, survival)[:, 0]
 
 
+def _longest(mean: np.ndarray, variance: np.ndarray) -> int:
+    return int(np.ceil((mean + 8 * np.sqrt(variance)).max()))
+
+
 def _log_stays(mean: np.ndarray, variance: np.ndarray, longest: int) -> np.ndarray:
-    """Log probability of 1 ... L steps, (L, K), L being ``longest`` or what the Gaussians reach."""
-    limit = max(longest, int(np.ceil((mean + 8 * np.sqrt(variance)).max())))
-    durations = -0.5 * (np.arange(1, limit + 1)[:, None] - mean) ** 2 / variance
+    """Log probability of 1 ... L steps, (L, K)."""
+    durations = -0.5 * (np.arange(1, longest + 1)[:, None] - mean) ** 2 / variance
     return durations - log_sum(durations)
 
 
 def _expected_log(stays: np.ndarray, mean: np.ndarray, variance: np.ndarray) -> np.ndarray:
     """Expected log probability (K,) of stays with the given moments (3, K)."""
     count, total, squared = stays
-    normaliser = -0.5 * (1 - mean) ** 2 / variance - _log_stays(mean, variance, 1)[0]
+    longest = _longest(mean, variance)
+    normaliser = -0.5 * (1 - mean) ** 2 / variance - _log_stays(mean, variance, longest)[0]
     return -0.5 * (squared - 2 * mean * total + mean**2 * count) / variance - count * normaliser

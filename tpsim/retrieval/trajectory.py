@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 
-from tpsim.checks import FASTEST, affordable, array_of, choice, felt, finite_array, number, whole
+from tpsim.checks import FASTEST, affordable, choice, felt, finite_array, number, whole
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
+from tpsim.learning.markov import visited
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -147,15 +148,11 @@ def trajectory_of_states(
     options
         Keywords of :func:`trajectory`.
     """
-    states = array_of("states", states)
     if not isinstance(getattr(model, "gaussians", None), Gaussian):
         raise ArgumentError(f"model is a {type(model).__name__}; give a GMM, HMM or HSMM")
     mean, covariance = model.gaussians.mean, model.gaussians.covariance
     components = mean.shape[-2]
-    if states.ndim != 1 or not np.issubdtype(states.dtype, np.integer):
-        raise ArgumentError(f"states must be (T,) integers, got {states.dtype} {states.shape}")
-    if states.size == 0 or states.min() < 0 or states.max() >= components:
-        raise ArgumentError(f"states must be one or more of 0..{components - 1}")
+    states = visited("states", states, components)
     if mean.ndim == 2:
         return trajectory(mean[states], covariance[states], dt, **options)
     if len(mean) != len(states):

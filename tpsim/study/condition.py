@@ -9,6 +9,7 @@ from tpsim.task.task import Situation
 from tpsim.world.episode import BoundPerson
 from tpsim.world.people.drag import Drag
 from tpsim.world.people.guide import Grip, Guide, HandPath
+from tpsim.world.people.hold import Hold
 from tpsim.world.people.push import Push
 from tpsim.world.people.script import straight
 from tpsim.world.plant import NOMINAL, Plant
@@ -92,6 +93,8 @@ class Condition:
         Who leads.
     drag : tuple of Drag
         Who pulled by hand, as in the playground.
+    hold : tuple of Hold
+        Who holds a hand still for a while.
     plant : Plant
         How the simulated robot differs from the controller's model.
     duration : float, optional
@@ -106,6 +109,7 @@ class Condition:
     push: tuple[Push, ...] = ()
     lead: tuple[Lead, ...] = ()
     drag: tuple[Drag, ...] = ()
+    hold: tuple[Hold, ...] = ()
     plant: Plant = NOMINAL
     duration: Positive | None = None
     shown: str | None = None
@@ -114,9 +118,9 @@ class Condition:
         checked(self)
 
     @property
-    def people(self) -> tuple[Push | Lead | Drag, ...]:
-        """All who push, lead and pull."""
-        return self.push + self.lead + self.drag
+    def people(self) -> tuple[Push | Lead | Drag | Hold, ...]:
+        """All who push, lead, pull and hold."""
+        return self.push + self.lead + self.drag + self.hold
 
     @property
     def lesson(self) -> Lesson:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from recipe import Book, Made
 
-from tpsim import Gaussian, lab
+from tpsim import GMM, HSMM, Gaussian, SemiMarkovChain, lab
 from tpsim.control.poses import SeenMovement
 from tpsim.robot.objects import Objects
 from tpsim.robot.views.direction import Direction
@@ -539,6 +539,20 @@ def _control(book: Book) -> None:
         period=0.03,
         timestep=0.001,
     )
+    tracked = lab.Site("tip").position[:2]
+    states = np.tile(np.eye(4), (2, 1, 1))
+    hsmm = HSMM(SemiMarkovChain.along([0, 0, 1]), GMM([0.5, 0.5], Gaussian(np.eye(2, 4), states)))
+    add(
+        "lab.SemiMarkovTracking",
+        lab.SemiMarkovTracking,
+        view=tracked,
+        model=hsmm,
+        dt=0.03,
+        effort=0.1,
+        horizon=9,
+        timestep=0.001,
+        rng=0,
+    )
     add("lab.FixedImpedance", lab.FixedImpedance, posture=START, stiffness=100.0)
     movement = SeenMovement(np.zeros((9, 6)), np.tile(np.eye(6), (9, 1, 1)), np.eye(3))
     add(
@@ -554,7 +568,9 @@ def _control(book: Book) -> None:
         dt=0.05,
         effort=0.1,
         every=8,
+        chain=SemiMarkovChain.along(np.repeat([0, 1, 2], 3)),
     )
+    add("lab.Hold", lab.Hold, site="tip", start=0.5, duration=1.0, grip=lab.Grip())
     add("lab.Tank", lab.Tank, infinite=True, initial=1.0, capacity=2.0)
     add("lab.Tank.of", lab.Tank.of, robot=ROBOT)
     add("lab.Weightless", lab.Weightless, robot=ROBOT, damping=0.5, held=("elbow",), posture=START)

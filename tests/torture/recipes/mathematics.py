@@ -474,6 +474,25 @@ def _hidden(book: Book) -> None:
         add("HiddenStates.state_sequence", model.state_sequence, steps=5)
         add(f"{owner}.probabilities", chain.probabilities, steps=5)
         add(f"{owner}.sample", chain.sample, steps=5, rng=0)
+    add("SemiMarkovChain.along", tp.SemiMarkovChain.along, states=np.array([0, 0, 1]), spread=0.1)
+    add(
+        "SemiMarkovChain.through",
+        tp.SemiMarkovChain.through,
+        sequences=[np.array([0, 0, 1]), np.array([1, 2])],
+        components=3,
+        spread=0.1,
+    )
+    add("Pace", tp.Pace, words=("pace",), likely=np.array([0.1, 0.8, 0.1]), lasting=0.5)
+    add("ProgressFilter", tp.ProgressFilter, chain=SEMI, pace=tp.Pace())
+    progress = tp.ProgressFilter(SEMI)
+    belief = progress.start(np.zeros(2))
+    add("ProgressFilter.start", progress.start, log_densities=np.zeros(2))
+    add("ProgressFilter.update", progress.update, belief=belief, log_densities=np.zeros(2))
+    add("ProgressFilter.foreseen", progress.foreseen, belief=belief)
+    add("ProgressFilter.states_ahead", progress.states_ahead, belief=belief, steps=5, rng=0)
+    stays = tp.SemiMarkovChain.along(np.repeat([0, 1], 3))
+    places = tp.Gaussian(np.zeros((6, 2)), np.tile(np.eye(2), (6, 1, 1)))
+    add("Passage", tp.Passage, chain=stays, places=places, dt=0.1, speed_deviation=0.2)
     add(
         "MarkovChain",
         tp.MarkovChain,
@@ -793,6 +812,50 @@ def _control(book: Book) -> None:
     add("integrator", tp.integrator, dim=2, dt=0.1, order=2, exact=False)
     add("LinearSystem", tp.LinearSystem, A=np.eye(2), B=np.ones((2, 1)), dt=0.1)
     add("LinearSystem.step", SYSTEM.step, state=np.ones(4), control=np.ones(2))
+    varying = tp.LinearSystem(np.tile(np.eye(2), (4, 1, 1)), np.ones((4, 2, 1)), 0.1)
+    add("LinearSystem.step", varying.step, state=np.ones(2), control=np.ones(1), t=2)
+    push = tp.Constraint("push", [-0.3, -0.3], [0.3, np.inf], control=np.eye(2))
+    add(
+        "Constraint",
+        tp.Constraint,
+        words=("constraint",),
+        name="there",
+        lower=np.array([-0.5]),
+        upper=np.array([0.5]),
+        state=np.eye(1, 4),
+        control=np.zeros((1, 2)),
+    )
+    add("joint_range", tp.joint_range, words=("constraint",), lower=-np.ones(2), upper=np.ones(2))
+    add("joint_speed", tp.joint_speed, words=("constraint",), limit=np.ones(2))
+    add(
+        "joint_torque",
+        tp.joint_torque,
+        words=("constraint",),
+        limit=np.ones(2),
+        mass=np.eye(2),
+        bias=np.zeros(2),
+    )
+    add(
+        "constrained_lqt",
+        tp.constrained_lqt,
+        words=("constraint",),
+        means=MEANS,
+        precisions=PRECISIONS,
+        system=SYSTEM,
+        effort=0.1,
+        initial=np.zeros(4),
+        constraints=[push, tp.joint_speed([0.2, 0.2])],
+        infeasible="relax",
+    )
+    add("ConstrainedPlan", tp.ConstrainedPlan, states=np.ones((4, 2)), controls=np.ones((3, 1)))
+    add(
+        "state_references",
+        tp.state_references,
+        words=("coordinate",),
+        gaussians=[SEVERAL, GAUSSIAN[None]],
+        sequences=[np.array([0, 1, 2]), np.array([0, 0, 0])],
+        frames=FRAMES,
+    )
     add("lqt", tp.lqt, means=MEANS, precisions=PRECISIONS, system=SYSTEM, effort=0.1)
     add("lqt", tp.lqt, means=MEANS, precisions=PRECISIONS, system=SYSTEM, effort=0.1 * np.eye(2))
     add(
@@ -830,6 +893,7 @@ def _control(book: Book) -> None:
         effort=0.1,
         initial=np.ones(4),
         steps=3,
+        constraints=[push],
     )
     add(
         "Feedback", tp.Feedback, gain=np.ones((4, 2, 4)), feedforward=np.ones((4, 2)), system=SYSTEM

@@ -56,6 +56,9 @@ def _times(condition: "Condition") -> dict[str, float]:
     for i, lead in enumerate(condition.lead):
         for name in ("start", "duration", "rest"):
             times[f"lead[{i}].{name}"] = getattr(lead, name)
+    for i, hold in enumerate(condition.hold):
+        for name in ("start", "duration"):
+            times[f"hold[{i}].{name}"] = getattr(hold, name)
     for i, drag in enumerate(condition.drag):
         times[f"drag[{i}].times"] = drag.times[-1]
     for i, path in enumerate(condition.situation.objects):

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Literal
 
 import numpy as np
 
@@ -10,14 +11,16 @@ from tpsim.robot.views.view import View
 from tpsim.study import health
 from tpsim.study.condition import Condition
 from tpsim.study.expert import fixed_gains
+from tpsim.study.held import held_ratio, release_jump
 from tpsim.study.measure import Measure
 from tpsim.study.record import Record, Records
-from tpsim.study.study import Lab, Phases, Plan, Study
+from tpsim.study.study import ControllerFactory, Lab, Phases, Plan, Study
 from tpsim.task.task import Situation, draw_situation
 from tpsim.tasks.transfer import docks, experts, pictures
 from tpsim.tasks.transfer.task import SEEN, Transfer, lesson_between
 from tpsim.tasks.workplace import size_of
 from tpsim.world.object_path import ObjectPath
+from tpsim.world.people.hold import Hold
 from tpsim.world.people.push import Push
 from tpsim.world.teaching import Lesson
 from tpsim.world.world import World
@@ -34,7 +37,13 @@ MOVED = (2.0, 4.0)
 ENDED = 0.5
 """Time [s] at the end of a trial, of which the worst moment counts."""
 
-_MOVES = 3
+HOLD, HELD = 5.0, (0.5, 5.0)
+"""How long a person holds the hand still [s], from a time on that is drawn from this range [s]."""
+
+BY: dict[str, Literal["clock", "state"]] = {"by clock": "clock", "by state": "state"}
+"""Controllers that are held: what says how far the movement has come."""
+
+_MOVES, _HOLDS = 3, 4
 
 
 def conditions(lab: Lab, plan: Plan) -> Phases:
@@ -54,6 +63,11 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
         for k in range(plan.pushes):
             label, situation = ("far pushed", far) if k % 2 else ("pushed", near)
             found.append(Condition(label, situation, push=(_push(rng, size_of(lab.world.robot)),)))
+        start = float(plan.rng(_HOLDS, index).uniform(*HELD))
+        hold = (Hold(docks.GRIPPER, start, HOLD),)
+        for name in BY:
+            found.append(Condition("unpushed", near, name))
+            found.append(Condition("held", near, name, hold=hold, duration=task.duration + HOLD))
     yield found
 
 
@@ -138,6 +152,31 @@ def _end(name: str, labels: str | Sequence[str], title: str) -> tuple[Measure, M
     )
 
 
+def _held() -> tuple[Measure, ...]:
+    """What comes of being held, where state and where the clock says how far the movement is."""
+    found = []
+    ends = [at_the_end(SEEN["end", part]) for part in ("position", "orientation")]
+    for name, suffix in (("by state", ""), ("by clock", "_by_clock")):
+        found += [
+            Measure(
+                f"held_ratio{suffix}",
+                whole=held_ratio(name, *ends),
+                limit=None if suffix else 1.3,
+                title=f"End after being held for {HOLD:g} s, beside unheld, {name}",
+            ),
+            Measure(
+                f"release_jump{suffix}_percent",
+                of=release_jump,
+                unit="%",
+                label="held",
+                controller=name,
+                limit=None if suffix else 20.0,
+                title=f"Largest jump of torque at letting go, of the motors' limits, {name}",
+            ),
+        ]
+    return tuple(found)
+
+
 def unreachable(records: Records) -> int:
     """Trials that ended far from the second dock."""
     return sum(record.trial.outcome == "unreachable" for record in records.select())
@@ -163,6 +202,7 @@ MEASURES = (
         label="pushed",
         title="The same, while pushed",
     ),
+    *_held(),
     health.SATURATED,
     Measure("unreachable", whole=unreachable, title="Trials that ended out of reach"),
     health.DIVERGED,
@@ -172,13 +212,18 @@ MEASURES = (
 )
 
 
+def _by(task: Transfer) -> dict[str, ControllerFactory]:
+    """The task's controller, by the clock and by the state."""
+    return {name: replace(task, progress=by).controller for name, by in BY.items()}
+
+
 def study(task: Transfer) -> Study:
     """The study of transfer."""
     compared = experts.contest(task)
     return Study(
         task,
         MEASURES,
-        controllers=fixed_gains(compared.experts["computed"]),
+        controllers=fixed_gains(compared.experts["computed"]) | _by(task),
         conditions=conditions,
         contest=compared,
         show=show,

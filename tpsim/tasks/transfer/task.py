@@ -9,7 +9,7 @@ tracked by the LQT of all frames at once over the finite horizon (Eq. 38), where
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from tpsim.demonstration import Demonstration
 from tpsim.gaussian import Gaussian
 from tpsim.learning.dtw import align
 from tpsim.learning.gmm import GMM
+from tpsim.learning.semi_markov import SemiMarkovChain
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.pose import Pose
 from tpsim.retrieval.gmr import gmr
@@ -92,6 +93,9 @@ class Transfer(Task):
         Samples of a demonstration from which the model is learned.
     warp : float
         Share of the movement by which demonstrations may be out of step before they are aligned.
+    progress : str
+        Whether the movement goes by the ``"clock"``, or by the hand's own ``"state"``: who holds
+        it stops the movement, who pushes it on speeds it up (docs/progress.md).
     teacher : str
         Whose hands show it: ``"human"``, as measured in people, or ``"firm"``, firmer and finer.
     """
@@ -101,6 +105,7 @@ class Transfer(Task):
     components: int = 10
     samples: int = 150
     warp: float = 0.1
+    progress: Literal["clock", "state"] = "clock"
     teacher: TeacherName = "firm"
 
     duration: ClassVar[float] = MOVEMENT + 1.5
@@ -159,6 +164,7 @@ class Transfer(Task):
             site=docks.GRIPPER,
             dt=DT,
             effort=self.effort,
+            chain=stays(model, times) if self.progress == "state" else None,
         )
 
     def goals(self) -> dict[str, Goal]:
@@ -176,6 +182,12 @@ class Transfer(Task):
             for part, enough in ARRIVED.items()
         )
         return "unreachable" if missed else trial.outcome
+
+
+def stays(model: TPGMM, times: np.ndarray) -> SemiMarkovChain:
+    """Which of a model's components are passed in turn at times (T,), and for how many of them."""
+    component = GMM(model.priors, model.frames[0].marginal([0])).responsibilities(times[:, None])
+    return SemiMarkovChain.along(component.argmax(1))
 
 
 def lesson(world: World, rng: np.random.Generator, teacher: TeacherName = "firm") -> Lesson:

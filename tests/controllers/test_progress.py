@@ -1,0 +1,120 @@
+"""A hand that is held stops the movement, one that is pushed on hurries it; the clock does not."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from tpsim import Gaussian, SemiMarkovChain
+from tpsim.control.poses import SeenMovement
+from tpsim.controllers.finite_horizon import FiniteHorizon
+from tpsim.controllers.progress import ByState
+from tpsim.errors import ArgumentError
+from tpsim.pose import Pose, coordinates
+from tpsim.timeline import rest_to_rest
+from tpsim.world.people.guide import Grip
+from tpsim.world.people.hold import Hold
+from tpsim.world.people.push import Push
+from tpsim.world.rollout import rollout
+
+DOCK = Pose(np.eye(3), np.array([0.75, 0.0, 0.0]))
+DT, STEPS, WAY = 0.03, 60, np.array([0.0, -0.15, 0.0])
+CHAIN = SemiMarkovChain.along(np.repeat(np.arange(6), 10))
+
+
+def controller(world, chain, **changed):
+    """Move the left hand to the side within 1.8 s."""
+    robot = world.robot
+    R, p = robot.at_home.pose("left_gripper")
+    reference = DOCK.rotation.T @ R
+    share = rest_to_rest(np.linspace(0, 1, STEPS))[:, None]
+    mean = [coordinates(Pose(R, p + s * WAY), reference, seen_from=DOCK) for s in share]
+    precision = np.tile(np.diag([1 / 0.01**2] * 3 + [1 / 0.05**2] * 3), (STEPS, 1, 1))
+    return FiniteHorizon(
+        robot,
+        ["end"],
+        [SeenMovement(np.array(mean), precision, reference)],
+        Gaussian(np.tile(robot.home[:7], (STEPS, 1)), 0.3 * np.eye(7)),
+        joints=robot.joints[:7],
+        site="left_gripper",
+        dt=DT,
+        effort=0.05,
+        chain=chain,
+    )
+
+
+@pytest.fixture(scope="module")
+def performed(dock_world):
+    """Share of the way (T,), and the trial, with people who interfere; each once."""
+
+    @cache
+    def perform(by_state, *people, seconds=2.4):
+        law = controller(dock_world, CHAIN if by_state else None)
+        sites = {"left_hand": "left_gripper"}
+        home = dock_world.robot.home
+        trial = rollout(dock_world, law, home, seconds, sites=sites, people=people)
+        moved = trial["left_hand_position"] - trial["left_hand_position"][0]
+        return moved @ WAY / (WAY @ WAY), trial
+
+    return perform
+
+
+def test_by_itself_it_moves_as_by_the_clock(performed):
+    share, _ = performed(True)
+    by_clock, _ = performed(False)
+    assert share[-1] == pytest.approx(1, abs=0.02)
+    late = [np.argmax(way > 0.5) * 0.01 for way in (share, by_clock)]
+    assert late[0] == pytest.approx(late[1], abs=0.15)
+
+
+def test_held_it_waits_and_let_go_it_goes_on_without_a_jump(performed):
+    hold = Hold("left_gripper", 0.9, 1.0)
+    share, trial = performed(True, hold, seconds=3.4)
+    by_clock, other = performed(False, hold, seconds=3.4)
+    let_go = trial.time > 1.9
+    assert share[-1] == pytest.approx(1, abs=0.02) and by_clock[-1] == pytest.approx(1, abs=0.02)
+    # By the clock the hand is torn off, and much faster than it was ever asked to be.
+    speeds = [np.diff(way[let_go]).max() / 0.01 for way in (share, by_clock)]
+    usual = np.diff(performed(False)[0]).max() / 0.01
+    assert speeds[0] < 1.3 * usual < speeds[1]
+    # What was left of the movement is still left; the clock has none of it left.
+    unheld = np.argmax(performed(True)[0] > 0.9)
+    assert np.argmax(share > 0.9) - unheld == pytest.approx(100, abs=25)
+    assert np.argmax(by_clock > 0.9) - 190 < 0.6 * (np.argmax(share > 0.9) - 190)
+    rise = [np.abs(np.diff(t["torque"][187:200], axis=0)).sum(0).max() for t in (trial, other)]
+    assert rise[0] < 0.75 * rise[1]
+
+
+def test_pushed_on_it_hurries(performed):
+    push = Push("left_gripper", tuple(12 * WAY / np.linalg.norm(WAY)), 0.6, 0.8)
+    share, _ = performed(True, push)
+    alone, _ = performed(True)
+    assert np.argmax(alone > 0.9) - np.argmax(share > 0.9) > 15  # by 0.15 s and more
+    assert share[-1] == pytest.approx(1, abs=0.02)
+
+
+def test_progress_is_led_on_from_one_observation_to_the_next_without_a_jump():
+    places = Gaussian(
+        np.linspace([0.0] * 6, [0.3] * 6, STEPS), np.tile(1e-4 * np.eye(6), (60, 1, 1))
+    )
+    progress, speed = ByState(CHAIN, DT), np.full(6, 0.3 / (STEPS * DT))
+    progress.follow(places)
+    times = np.arange(0, 1.2, 0.008)
+    found = np.array([progress.at(t, t * speed, speed)[0] for t in times])
+    np.testing.assert_allclose(found, times, atol=0.06)
+    assert np.abs(np.diff(found)).max() < 2 * 0.008
+
+
+def test_stays_must_add_up_to_the_movement(dock_world):
+    with pytest.raises(ArgumentError, match="add up to 4 steps and the movement has 60"):
+        controller(dock_world, SemiMarkovChain.along([0, 0, 1, 1]))
+
+
+def test_a_hold_needs_time_and_keeps_within_its_strength(performed):
+    weak = Hold("left_gripper", 0.3, 0.5, Grip(3000.0, 150.0, 0.0, 0.0, 5.0))
+    _, trial = performed(True, weak)
+    force = np.linalg.norm(trial["hold_wrench"][:, :3], axis=1)
+    assert force.max() <= 5 + 1e-9
+    assert not force[(trial.time < 0.3) | (trial.time > 0.81)].any()
+    with pytest.raises(ArgumentError, match="duration"):
+        Hold("left_gripper", 0.3, 0.0)

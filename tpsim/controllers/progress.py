@@ -1,0 +1,96 @@
+"""How far a movement has come: by the clock, or by what the hand is seen to do."""
+
+from typing import Protocol
+
+import numpy as np
+
+from tpsim.gaussian import Gaussian
+from tpsim.learning.semi_markov import SemiMarkovChain
+from tpsim.retrieval.passage import Passage
+from tpsim.retrieval.progress import Belief, Pace, ProgressFilter
+
+PACE = Pace(np.array([0.15, 0.7, 0.15]), 0.7)
+"""A person who holds or hurries a hand does so for some steps."""
+
+STRAY = np.array([0.008] * 3 + [0.05] * 3)
+"""How far [m], [rad] a hand may be from its movement besides what was taught: it yields."""
+
+SLIP = np.array([0.05] * 3 + [0.3] * 3)
+"""Standard deviation of its velocity [m/s], [rad/s]."""
+
+
+class Progress(Protocol):
+    """Says when in its movement a hand is."""
+
+    def follow(self, places: Gaussian) -> None:
+        """From now on the movement (S, 6) is another one: objects have moved."""
+
+    def at(self, time: float, position: np.ndarray, velocity: np.ndarray) -> tuple[float, float]:
+        """Time within the movement [s], and how much of it passes per second.
+
+        Parameters
+        ----------
+        time : float
+            By the clock [s].
+        position, velocity : (6,)
+            Of the hand.
+        """
+        ...
+
+
+class ByClock:
+    """The movement's time is the clock's, whatever happens."""
+
+    def follow(self, places: Gaussian) -> None:
+        """Nothing is asked of the movement."""
+
+    def at(self, time: float, position: np.ndarray, velocity: np.ndarray) -> tuple[float, float]:
+        """As the clock says."""
+        return time, 1.0
+
+
+class ByState:
+    """The movement's time is inferred: :class:`~tpsim.retrieval.progress.ProgressFilter`.
+
+    Parameters
+    ----------
+    chain : SemiMarkovChain
+        Of the movement's states, durations in steps of ``dt``.
+    dt : float
+        Time step of the movement [s], and between two observations.
+    pace : Pace
+    """
+
+    def __init__(self, chain: SemiMarkovChain, dt: float, pace: Pace = PACE):
+        self._filter, self._dt = ProgressFilter(chain, pace), dt
+        self._passage: Passage | None = None
+        self._belief: Belief | None = None
+        self._since, self._place, self._rate = 0.0, 0.0, 0.0
+
+    def follow(self, places: Gaussian) -> None:
+        """See the hand along another movement from now on, as far as it has come."""
+        # One for all: observations follow each other so fast that they are far from independent,
+        # and a hand at rest would be drawn to wherever the movement is most precise.
+        spread = places.covariance.mean(0) + np.diag(STRAY**2)
+        alike = Gaussian.trusted(places.mean, np.broadcast_to(spread, places.covariance.shape))
+        self._passage = Passage(self._filter.chain, alike, self._dt, SLIP)
+
+    def at(self, time: float, position: np.ndarray, velocity: np.ndarray) -> tuple[float, float]:
+        """What the last observation said, led on to the next one without a jump."""
+        if self._belief is None or time >= self._since + self._dt - 1e-9:
+            self._observe(time, position, velocity)
+        now = self._place + self._rate * (time - self._since)
+        return now * self._dt, self._rate * self._dt
+
+    def _observe(self, time: float, position: np.ndarray, velocity: np.ndarray) -> None:
+        assert self._passage is not None  # there is a plan before there is a law
+        paces = len(self._filter.pace.likely)
+        seen = self._passage.log_densities(position, velocity, paces)
+        if self._belief is None:
+            self._belief = self._filter.start(seen)
+        else:
+            self._place += self._rate * (time - self._since)
+            self._belief = self._filter.update(self._belief, seen)
+        self._since = time
+        soon = self._passage.place(self._filter.foreseen(self._belief))
+        self._rate = (soon - self._place) / self._dt

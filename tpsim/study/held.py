@@ -1,0 +1,48 @@
+"""What comes of holding a robot's hand still for a while and letting go."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from tpsim.study.record import Record, Records
+
+SUDDEN = 0.1
+"""Time [s] after letting go within which torque that changes counts as a jump."""
+
+
+def release_jump(record: Record) -> float | None:
+    """Largest change of a motor's torque just after letting go, in percent of its limit."""
+    if not record.condition.hold:
+        return None
+    hold, trial = record.condition.hold[-1], record.trial
+    let_go = hold.start + hold.duration
+    time, torque = trial.time, trial["torque"]
+    just_after = (time > let_go - 1e-9) & (time < let_go + SUDDEN + 1e-9)
+    if not just_after.any():
+        return None
+    before = torque[max(0, int(np.argmax(just_after)) - 1)]
+    change = np.abs(torque[just_after] - before) / record.task.stage.robot.torque_limit
+    return 100 * float(change.max())
+
+
+def held_ratio(
+    controller: str, *ends: Callable[[Record], np.ndarray]
+) -> Callable[[Records], float | None]:
+    """How many times as far from its goal a hand ends that was held: the worst of some errors.
+
+    Parameters
+    ----------
+    controller : str
+        Whose trials ``"held"`` and ``"unpushed"`` are compared.
+    ends : callable
+        ``end(record) -> (T,)``: errors; of each the largest of all trials counts.
+    """
+
+    def ratio(records: Records) -> float | None:
+        held, free = (records.select(label, controller) for label in ("held", "unpushed"))
+        if not held or not free:
+            return None
+        worst = [[max(end(r).max() for r in some) for some in (held, free)] for end in ends]
+        return float(max(one / other for one, other in worst))
+
+    return ratio

@@ -1,5 +1,8 @@
 """A movement retrieved in time from moving frames, by Gaussian mixture regression, as torque."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
@@ -12,6 +15,9 @@ from tpsim.gaussian import Gaussian
 from tpsim.retrieval.tp_gmr import Order
 from tpsim.robot.state import State
 from tpsim.world.impedance import Impedance
+
+Progress = Callable[[State, float], tuple[float, float]]
+"""Time within the movement [s], and how much of it passes per second, at a state and a time."""
 
 PERIOD = 0.03
 """Time [s] between two adaptations of the mixture to the frames: as often as a camera looks."""
@@ -37,6 +43,10 @@ class TimedIntervention(RenewedImpedance):
         Joint posture [rad] for directions that no frame determines.
     period : float
         Time [s] between two adaptations.
+    progress : callable, optional
+        ``progress(state, time)``: time within the movement [s], and how much of it passes per
+        second; the reference then moves with it. By default the clock says it, and the reference
+        stands still from one adaptation to the next.
     order : str
         Of :func:`~tpsim.retrieval.tp_gmr.tp_gmr`. The covariance is stiffness here: moments of a
         mixture would be soft wherever a precise component meets a vague one, so that precisions
@@ -52,17 +62,18 @@ class TimedIntervention(RenewedImpedance):
         until: Positive,
         prior: Gaussian | None = None,
         period: Positive = PERIOD,
+        progress: Progress | None = None,
         order: Order = "pooled",
     ):
         super().__init__(period)
         self.skill, self.effort, self.until = skill, effort, until
-        self.prior, self.order = prior, order
+        self.prior, self.order, self.progress = prior, order, progress
         times = np.minimum(np.arange(0.0, until + period, period), until)
         self._product = TimedProduct(skill, prior, order, times)
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the posture that the movement asks for now."""
-        step = self._product.step(state, min(time, self.until))
+        step, velocity = self._step(state, time)
         L = dpotrf(state.mass, lower=1)[0]
         # L' Sigma L is the inverse of Lambda_z: the same eigenvectors, without an inverse.
         variances, V, failed = dsyevd(L.T @ step.covariance @ L, overwrite_a=1)
@@ -70,8 +81,24 @@ class TimedIntervention(RenewedImpedance):
             raise SimulationError("the covariance of the movement has no eigendecomposition")
         modes, stiffness = L @ V, 1 / np.sqrt(self.effort * variances)
         now = Impedance.of_modes(modes, stiffness, state.q + step.mean)
+        now = now if velocity is None else replace(now, velocity=velocity)
         # Far away the spring gives way, so that spring against damper asks for no wild speed.
         pace = np.sqrt(stiffness / 2) * (modes.T @ step.mean)
         speed = dtrtrs(L, V @ pace, lower=1, trans=1)[0]
         excess = float((np.abs(speed) / state.robot.velocity_limit).max())
         return now if excess <= 1 else now.weaker(excess)
+
+    def _step(self, state: State, time: float) -> tuple[Gaussian, np.ndarray | None]:
+        """Step from the posture that the movement asks for, and how fast it goes on [rad/s]."""
+        if self.progress is None:
+            return self._product.step(state, min(time, self.until)), None
+        place, rate = self.progress(state, time)
+        tick = self.period
+        first = tick * int(min(max(place, 0.0), self.until - tick) / tick + 1e-9)
+        share = min(max((place - first) / tick, 0.0), 1.0)
+        # At times that are known already, since others take longer.
+        before, after = (self._product.step(state, t) for t in (first, first + tick))
+        near = after if share > 0.5 else before
+        on = after.mean - before.mean
+        moving = rate / tick * on * (place < self.until)
+        return Gaussian.trusted(before.mean + share * on, near.covariance), moving

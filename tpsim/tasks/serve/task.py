@@ -16,7 +16,7 @@ import numpy as np
 
 from tpsim.border import Count, Positive
 from tpsim.controllers.product import Skill
-from tpsim.controllers.timed_intervention import TimedIntervention
+from tpsim.controllers.timed_intervention import PERIOD, TimedIntervention
 from tpsim.demonstration import Demonstration
 from tpsim.gaussian import Gaussian
 from tpsim.learning.dtw import align
@@ -28,6 +28,7 @@ from tpsim.robot.views.sites import Object, Site
 from tpsim.robot.views.view import View
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
 from tpsim.tasks.serve import scene, teacher
+from tpsim.tasks.serve.progress import CUP_HAND, HandsProgress
 from tpsim.tasks.serve.teacher import MOVEMENT
 from tpsim.tasks.serve.things import Thing
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
@@ -70,6 +71,16 @@ VIEWS: Mapping[str, View] = {
 }
 """Candidate frames: hands from objects and in the base, one from the other, spare joints."""
 
+_CUP_SEEN: list[tuple[str | None, int, int, np.ndarray]] = [
+    ("dock", 0, 1, UPRIGHT),
+    ("bowl", 2, 3, UPRIGHT),
+    (None, 4, 5, _upright_in_base(UPRIGHT, teacher.HEADING)),
+]
+"""Frames that see the hand with the cup, for progress."""
+
+_SUGAR_SEEN = [("sugar_dock", 6), (CUP_HAND, 8), (None, 9)]
+"""Frames that see where the other hand is."""
+
 STRUCTURES: Mapping[str, Structure] = {"full": FULL, "mfa": MFA(1), "hddc": HDDC(1)}
 """Covariances that can be learned, by name."""
 
@@ -102,6 +113,9 @@ class Serve(Task):
         Samples of a demonstration from which the model is learned.
     warp : float
         Share of the movement by which demonstrations may be out of step before they are aligned.
+    progress : str
+        Whether the movement goes by the ``"clock"``, or by the hand's own ``"state"``: who holds
+        it stops the movement (docs/serve.md).
     teacher : str
         Whose hands show it: ``"human"``, as measured in people, or ``"firm"``, firmer and finer.
     """
@@ -111,6 +125,7 @@ class Serve(Task):
     covariance: Covariance = "full"
     samples: Count = 360
     warp: float = 0.05
+    progress: Literal["clock", "state"] = "clock"
     teacher: TeacherName = "firm"
 
     duration: ClassVar[float] = MOVEMENT + 1.0
@@ -157,10 +172,14 @@ class Serve(Task):
 
     def controller(self, world: World, models: Models, situation: Situation) -> TimedIntervention:
         """Regression over time in every frame, then the product of all of them."""
+        model = models["serve"]
+        hands = scene.LEFT, scene.RIGHT
+        by_state = HandsProgress(model, _CUP_SEEN, _SUGAR_SEEN, hands, MOVEMENT, PERIOD)
         return TimedIntervention(
-            Skill(VIEWS, models["serve"]),
+            Skill(VIEWS, model),
             effort=self.effort,
             until=MOVEMENT,
+            progress=by_state if self.progress == "state" else None,
         )
 
     def goals(self) -> dict[str, Goal]:

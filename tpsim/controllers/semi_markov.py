@@ -65,8 +65,6 @@ class SemiMarkovTracking(RenewedImpedance):
         ``constraints(state)``: what every plan keeps. Where none keeps all, those on [y, dy] are
         missed by as little as can be; ``missed`` says which, and by how much at most.
     pace : Pace, optional
-    timestep : float
-        Of the control [s].
     rng : int or numpy.random.Generator, optional
         Draws which of several ways is taken; the most likely one by default, of equal ones the
         first.
@@ -84,10 +82,9 @@ class SemiMarkovTracking(RenewedImpedance):
         frames: Frames | None = None,
         constraints: Limits | None = None,
         pace: Pace | None = None,
-        timestep: Positive = 1e-3,
         rng: Seed = None,
     ):
-        super().__init__(max(1, round(dt / timestep)))
+        super().__init__(dt)
         chain = instance("model.chain", model.chain, SemiMarkovChain, "of fit_hsmm")
         if frames is None and not isinstance(model.emissions, GMM):
             raise ArgumentError("the model lives in frames; give frames(state), or adapt it first")

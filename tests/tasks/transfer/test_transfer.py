@@ -20,7 +20,7 @@ from tpsim.world.plant import Plant
 
 TAUGHT = 6
 
-LABELS = {"unpushed", "taught", "moved", "far", "seen", "hidden", "held", "pushed"}
+LABELS = {"unpushed", "taught", "moved", "far", "seen", "hidden", "pushed"}
 
 JUMP, AWAY = np.array([0.0, 0.0, -0.05]), np.array([0.5, 0.0, 0.1])
 

@@ -571,7 +571,6 @@ def _control(book: Book) -> None:
         effort=0.1,
         horizon=9,
         constraints=lambda state: [],
-        timestep=0.001,
         rng=0,
     )
     add("lab.FixedImpedance", lab.FixedImpedance, posture=START, stiffness=100.0)

@@ -539,6 +539,7 @@ def _control(book: Book) -> None:
         dt=0.03,
         effort=0.1,
         horizon=9,
+        slip=0.5,
         constraints=lambda state: [],
         timestep=0.001,
         rng=0,

@@ -148,8 +148,8 @@ def test_it_keeps_within_constraints(perform):
     """As fast as it may be, and later there; the push of its motors is limited as well."""
     slow = joint_speed([0.12, 0.12])  # of y: the states are [y, dy]
     weak = Constraint("push", [-1.5] * 2, [1.5] * 2, control=np.eye(2))
-    free, _ = perform(seconds=3.0)
-    path, _ = perform(seconds=3.0, constraints=lambda state: [slow, weak])
+    free, _ = perform(seconds=2.5)
+    path, _ = perform(seconds=2.5, slip=2.0, constraints=lambda state: [slow, weak])
     speeds = [np.abs(np.diff(p, axis=0)).max() / 0.01 for p in (free, path)]
     assert speeds[0] > 0.25 and speeds[1] < 0.15
-    assert path[-1, 0] < free[-1, 0] - 0.1 and path[-1, 0] > 0.15
+    assert path[-1, 0] < free[-1, 0] - 0.1 and path[-1, 0] > 0.1

@@ -30,10 +30,6 @@ Frames = Callable[[State], Sequence[Frame]]
 Limits = Callable[[State], Sequence[Constraint]]
 """Constraints on states [y, dy] and controls ddy, as they are now."""
 
-STRAY, SLIP = 1.0, 0.5
-"""Share of the movement's usual speed by which a hand may be slower or faster without being held,
-and of what it moves in half a stay by which it may stray: it yields to whoever touches it."""
-
 REST = 20.0
 """Stiffness [1/s^2] with which joints that the view leaves open keep the posture of the start."""
 
@@ -59,6 +55,10 @@ class SemiMarkovTracking(RenewedImpedance):
         Cost of acceleration, against the log-likelihood of the movement.
     horizon : int
         Steps that are looked ahead.
+    slip : float
+        Share of the movement's usual speed by which a hand may be slower or faster without being
+        taken for held or pushed on, and of what it moves in half a stay by which it may stray: it
+        yields to whoever touches it. Give more where constraints slow it down.
     frames : callable, optional
         ``frames(state)``: the frames of y as they are now, for a model that lives in frames.
     constraints : callable, optional
@@ -79,6 +79,7 @@ class SemiMarkovTracking(RenewedImpedance):
         dt: Positive,
         effort: Positive,
         horizon: Count = 30,
+        slip: Positive = 0.5,
         frames: Frames | None = None,
         constraints: Limits | None = None,
         pace: Pace | None = None,
@@ -91,7 +92,7 @@ class SemiMarkovTracking(RenewedImpedance):
         self.view, self.model, self.frames, self.horizon = view, model, frames, horizon
         self.effort, self._filter = effort, ProgressFilter(chain, pace)
         self._ahead = ProgressFilter(chain if rng is None else _decided(chain, rng), pace)
-        self._dt, self.constraints = dt, constraints
+        self._dt, self._slip, self.constraints = dt, slip, constraints
         self.missed: dict[str, float] = {}
         self._belief: Belief | None = None
         self._rest: np.ndarray | None = None
@@ -134,9 +135,9 @@ class SemiMarkovTracking(RenewedImpedance):
         paces = np.arange(len(self._filter.pace.likely))
         means = np.tile(gaussians.mean, (len(paces), 1, 1))
         means[..., d:] *= paces[:, None, None]
-        usual = np.sqrt(np.mean(np.sum(gaussians.mean[:, d:] ** 2, axis=1)))
+        usual = self._slip * np.sqrt(np.mean(np.sum(gaussians.mean[:, d:] ** 2, axis=1)))
         half_stay = 0.5 * self._dt * self._filter.chain.durations.mean.mean()
-        stray = np.diag(np.repeat([STRAY * usual * half_stay, SLIP * usual], d) ** 2)
+        stray = np.diag(np.repeat([half_stay * usual, usual], d) ** 2)
         covariances = np.tile(gaussians.covariance + stray, (len(paces), 1, 1, 1))
         density = Gaussian.trusted(means, covariances).log_density(observed)[..., None]
         if self._belief is None:

@@ -570,6 +570,7 @@ def _control(book: Book) -> None:
         dt=0.03,
         effort=0.1,
         horizon=9,
+        slip=0.5,
         constraints=lambda state: [],
         rng=0,
     )

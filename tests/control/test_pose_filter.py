@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tpsim import rotation
-from tpsim.control.pose_filter import GLANCE, PoseFilter
+from tpsim.control.pose_filter import GLANCE, PoseFilter, smoothed
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 
@@ -92,3 +92,26 @@ def test_before_it_was_seen_nothing_is_known_and_time_does_not_run_back():
         found.see(sighting(np.random.default_rng(0)), 0.9)
     with pytest.raises(ArgumentError, match="noise"):
         PoseFilter((0.0, 0.01))
+
+
+def test_what_rests_is_known_from_before_and_after_as_the_mean_of_all():
+    rng = np.random.default_rng(3)
+    seen = [(k / 20, sighting(rng)) for k in range(40) if not 10 <= k < 25]
+    times = np.linspace(0.0, 2.0, 23)
+    mean = np.mean([pose.position for _, pose in seen], axis=0)
+    for (_, p), covariance in smoothed(seen, times, NOISE, (0.0, 0.0)):
+        np.testing.assert_allclose(p, mean, atol=1e-12)
+        np.testing.assert_allclose(covariance[0, 0], NOISE[0] ** 2 / len(seen), rtol=1e-9)
+
+
+def test_in_the_middle_of_a_gap_least_is_known():
+    rng = np.random.default_rng(4)
+    seen = [(k / 20, sighting(rng)) for k in range(100) if not 30 <= k < 70]
+    found = smoothed(seen, np.array([0.0, 1.4, 2.5, 3.5, 4.9]), NOISE, (0.01, 0.05))
+    deviation = np.sqrt([covariance[0, 0] for _, covariance in found])
+    assert deviation.argmax() == 2
+    # Half as much variance as what one side alone would know, by symmetry.
+    alone = PoseFilter(NOISE, (0.01, 0.05))
+    for time, pose in seen[:30]:
+        alone.see(pose, time)
+    assert deviation[2] ** 2 == pytest.approx(alone.at(2.475).covariance[0, 0] / 2, rel=0.05)

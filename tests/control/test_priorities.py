@@ -1,4 +1,4 @@
-"""Eq. (44) as printed beside its Newton step: where a second hand rests (docs/priorities.md).
+"""Eq. (44) as printed beside its Newton step: where a second hand comes to rest.
 
 Two arms on one trunk; the first hand stays at its object, the second one's is out of its reach.
 """

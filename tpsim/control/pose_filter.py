@@ -1,5 +1,6 @@
 """Where an object is between two sightings, and how surely: a Kalman filter on its pose."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,9 @@ WATCHED = 0.04
 MEMORY = np.array([0.0, 0.6, 0.9])
 """Shares of what went before in three running means of the innovations, from fast to slow."""
 
+SAME = 1e-9
+"""Times [s] that are nearer to each other are one."""
+
 MOVED = 30.7
 """Squared mean innovation over its variance, in three dimensions, which one in a million exceeds
 by chance."""
@@ -35,6 +39,65 @@ class PoseEstimate(NamedTuple):
 
     pose: Pose
     covariance: np.ndarray
+
+
+def smoothed(
+    sightings: Sequence[tuple[float, Pose]],
+    times: np.ndarray,
+    noise: tuple[float, float],
+    wander: tuple[float, float],
+) -> list[PoseEstimate]:
+    """Where an object was at times (T,) [s], from all sightings, before and after each time.
+
+    One filter runs forwards and one backwards in time; what they say of a moment is one Gaussian
+    each, and the product of both is the estimate (two-filter smoothing). No sighting counts twice.
+
+    Parameters
+    ----------
+    sightings : sequence of (float, Pose)
+        At least one, in the order of their times.
+    times : (T,)
+        Increasing [s].
+    noise, wander : (float, float)
+        Of :class:`PoseFilter`.
+    """
+    past = _filtered(sightings, times, noise, wander, after=False)
+    turned = [(-time, pose) for time, pose in reversed(sightings)]
+    future = _filtered(turned, -times[::-1], noise, wander, after=True)[::-1]
+    return [_both(one, other) for one, other in zip(past, future, strict=True)]
+
+
+def _filtered(
+    sightings: Sequence[tuple[float, Pose]],
+    times: np.ndarray,
+    noise: tuple[float, float],
+    wander: tuple[float, float],
+    after: bool,
+) -> list[PoseEstimate | None]:
+    """Estimates of one filter at times (T,), with or without a sighting of the same moment."""
+    running, found, k = PoseFilter(noise, wander), [], 0
+    for time in times:
+        while k < len(sightings) and (
+            sightings[k][0] < time - SAME or (not after and sightings[k][0] <= time + SAME)
+        ):
+            running.see(sightings[k][1], sightings[k][0])
+            k += 1
+        found.append(running.at(float(time)))
+    return found
+
+
+def _both(one: PoseEstimate | None, other: PoseEstimate | None) -> PoseEstimate:
+    """Product of two estimates of one pose."""
+    if one is None or other is None:
+        found = one or other
+        assert found is not None
+        return found
+    (R, p), (R_other, p_other) = one.pose, other.pose
+    mine, its = one.covariance.diagonal()[[0, 3]], other.covariance.diagonal()[[0, 3]]
+    share = mine / (mine + its)
+    turn = rotation.exp(share[1] * rotation.log(R_other @ R.T))
+    pose = Pose(turn @ R, p + share[0] * (p_other - p))
+    return PoseEstimate(pose, np.diag(np.repeat(mine * its / (mine + its), 3)))
 
 
 class PoseFilter:

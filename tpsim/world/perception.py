@@ -2,17 +2,18 @@
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
 
 from tpsim import rotation
 from tpsim.border import Moment, NotNegative, Positive, Range, SeedNumber, border, checked
-from tpsim.control.pose_filter import PoseFilter
+from tpsim.control.pose_filter import PoseFilter, smoothed
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.objects import Objects
+from tpsim.world.trial import Trial
 
 Rate = Annotated[float, Range(least=0.1, most=1000)]
 Occlusion = tuple[str, float, float]
@@ -66,6 +67,53 @@ class Perception:
         return self.position_noise / np.sqrt(3), self.angle_noise / np.sqrt(3)
 
     @border
+    def remembered(self, trial: Trial) -> Trial:
+        """A trial as it is remembered from pictures: objects where all of these say they were.
+
+        What was hidden for a while is known from before and after. For demonstrations that are to
+        be learned from.
+
+        Raises
+        ------
+        ArgumentError
+            If an object was hidden all the time; the message names it.
+        """
+        poses = {name: trial.pose(name) for name in trial.channels.objects}
+        first, last, rng = float(trial.time[0]), float(trial.time[-1]), self._noise()
+        seen: dict[str, list[tuple[float, Pose]]] = {name: [] for name in poses}
+        for k in range(-round(self.before * self.rate), int(self.rate * (last - first)) + 1):
+            time = first + k / self.rate
+            row = int(np.searchsorted(trial.time, time - 1e-9))
+            now = {name: pose.at(row) for name, pose in poses.items()}
+            for name, pose in self._picture(now, k / self.rate, rng).items():
+                seen[name].append((time, pose))
+        arrays = dict(trial.arrays)
+        for name, sightings in seen.items():
+            if not sightings:
+                raise ArgumentError(f"object '{name}' was never seen in the trial; hide it less")
+            found = smoothed(sightings, trial.time, self.deviations, self.wander)
+            arrays[f"{name}_position"] = np.array([one.pose.position for one in found])
+            turned = np.array([one.pose.quaternion for one in found])
+            arrays[f"{name}_quaternion"] = rotation.continuous(turned)
+        return replace(trial, arrays=arrays)
+
+    def _picture(
+        self, objects: Mapping[str, Pose], time: float, rng: np.random.Generator
+    ) -> dict[str, Pose]:
+        """What one picture shows of objects that are at these poses: all that is not hidden."""
+        far, wide = self.deviations
+        found = {}
+        for name, (R, p) in objects.items():
+            # Drawn in any case: what is hidden changes nothing of how the rest is seen.
+            moved, turned = rng.standard_normal((2, 3))
+            if not self.hides(name, time):
+                found[name] = Pose(rotation.exp(wide * turned) @ R, p + far * moved)
+        return found
+
+    def _noise(self) -> np.random.Generator:
+        return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(7,)))
+
+    @border
     def hides(self, name: str, time: float) -> bool:
         """Whether an object is hidden at a time [s]."""
         return any(name == one and since <= time < until for one, since, until in self.occluded)
@@ -95,7 +143,7 @@ class Camera:
                 f"{', '.join(sorted(rows)) or 'none'}"
             )
         self._perception, self._rows = perception, dict(rows)
-        self._rng = np.random.default_rng(np.random.SeedSequence(perception.seed, spawn_key=(7,)))
+        self._rng = perception._noise()
         self._filters = {
             name: PoseFilter(perception.deviations, perception.wander) for name in rows
         }
@@ -127,14 +175,9 @@ class Camera:
         return self._known
 
     def _take(self, time: float, objects: Objects) -> None:
-        far, wide = self._perception.deviations
-        for name in self._rows:
-            # Drawn in any case: what is hidden changes nothing of how the rest is seen.
-            moved, turned = self._rng.standard_normal((2, 3))
-            if not self._perception.hides(name, time):
-                R, p = objects[name].pose
-                seen = Pose(rotation.exp(wide * turned) @ R, p + far * moved)
-                self._coming.append((time, name, seen))
+        poses = {name: objects[name].pose for name in self._rows}
+        for name, seen in self._perception._picture(poses, time, self._rng).items():
+            self._coming.append((time, name, seen))
 
     def _estimate(self, time: float, objects: Objects) -> Objects:
         """Objects that were seen, with the covariance of their poses."""

@@ -7,14 +7,16 @@ import pytest
 
 from tpsim import rotation
 from tpsim.study.condition import Condition
+from tpsim.study.held import release_jump
 from tpsim.study.record import Records
 from tpsim.study.study import Lab, Plan
 from tpsim.task.acceptance import refusal
 from tpsim.task.task import Situation, demonstration
 from tpsim.task.verbs import learn, perform
 from tpsim.tasks.serve import scene, study, teacher
-from tpsim.tasks.serve.measures import Served, held_ratio, release_jump, success
+from tpsim.tasks.serve.measures import Served, success
 from tpsim.tasks.serve.task import GOALS, VIEWS, Serve
+from tpsim.world.people.hold import Hold
 from tpsim.world.teaching import demonstrate
 
 TASK = Serve()
@@ -95,8 +97,8 @@ def test_every_fault_is_said(performed):
     assert {"cup not put", "poured beside"} <= faults(cup_position=still)
 
 
-def test_pushes_go_round_all_parts_and_a_hand_holds_where_the_twin_is(performed):
-    condition, trial, models = performed
+def test_pushes_and_holds_go_round_all_parts(performed):
+    _, _, models = performed
     lab = Lab(study.serve, models)
     rng, moments = np.random.default_rng(0), study.moments()
     starts = [0.0, *np.cumsum(list(teacher.PHASES.values()))]
@@ -105,26 +107,27 @@ def test_pushes_go_round_all_parts_and_a_hand_holds_where_the_twin_is(performed)
         push = study._push(rng, k + len(moments))
         assert begin <= push.start <= end
         assert np.linalg.norm(push.force) == pytest.approx(study.PUSH)
-    records = Records(TASK, models, [(condition, trial)])
-    held = study._held(lab, records[0], Plan())
-    (drag,) = held.drag
-    k = int(np.searchsorted(trial.time, drag.times[0]))
-    np.testing.assert_array_equal(drag.positions[0], trial["left_hand_position"][k])
-    assert drag.until == pytest.approx(drag.times[0] + 5.0)
-    assert held.duration == pytest.approx(TASK.duration + 5.0)
+        hold = study._hold(rng, k)
+        assert begin <= hold.start <= end and hold.duration == 5.0
+    (found,) = study.conditions(lab, Plan(seed=3, situations=1, pushes=5))
+    kinds = [(c.label, c.controller) for c in found]
+    assert kinds[:6] == [("unpushed", "learned")] + 5 * [("pushed", "learned")]
+    assert {c.controller for c in found if c.label == "held"} == {"by state", "by clock"}
 
 
 def test_figures_of_held_hands(performed):
     condition, trial, models = performed
-    records = Records(TASK, models, [(condition, trial)])
-    held = study._held(Lab(study.serve, models), records[0], Plan())
-    limit, released = TASK.stage.robot.torque_limit, held.drag[0].until
+    by_state = replace(condition, controller="by state")
+    records = Records(TASK, models, [(condition, trial), (by_state, trial)])
+    limit, hold = TASK.stage.robot.torque_limit, Hold(scene.LEFT, 4.0, 5.0)
     torque = np.zeros_like(trial["torque"])
-    torque[trial.time > released] = 0.1 * limit
-    assert held_ratio(records) is None and release_jump(records[0]) is None
+    torque[trial.time > 9.0] = 0.1 * limit
+    held = replace(condition, label="held", controller="by state", hold=(hold,))
     twice = records.add(held, other(trial, torque=torque))
+    figures = {m.name: m.figure(records) for m in study.serve.all_measures if "held" in m.name}
+    assert figures["held_ratio"] == pytest.approx(1.0)
+    assert figures["held_ratio_by_clock"] is None and figures["success_held_percent"] == 100.0
     assert release_jump(twice) == pytest.approx(10.0)
-    assert held_ratio(records) == pytest.approx(1.0)
     assert success(twice) == 100.0
     assert {s.title for s in study.serve.sections(records)} >= {"What went wrong"}
     shown = study.serve.clips(Lab(study.serve, models), records)

@@ -8,8 +8,9 @@ import numpy as np
 from tpsim import rotation
 from tpsim.pose import Pose
 from tpsim.study import health
+from tpsim.study.held import held_ratio, release_jump
 from tpsim.study.measure import Measure, mean
-from tpsim.study.record import Record, Records
+from tpsim.study.record import Record
 from tpsim.tasks.serve import scene
 from tpsim.world.trial import Trial
 
@@ -25,9 +26,6 @@ HELD = 0.01
 
 BOWL = (0.09, 0.06)
 """Radius and height [m] within which sugar is in the bowl."""
-
-JUMP = 0.05
-"""Time [s] after a hand lets go in which torque may jump."""
 
 
 @dataclass(frozen=True)
@@ -144,28 +142,9 @@ def faults(records: Sequence[Record]) -> dict[str, int]:
     return counted
 
 
-def held_ratio(records: Records) -> float | None:
-    """How many times farther from perfect held trials end than the same ones unheld, on average."""
-    pairs = [(record, record.beside("unpushed")) for record in records.select("held")]
-    ends = [(served(held).end, served(free).end) for held, free in pairs if free is not None]
-    if not ends:
-        return None
-    held, free = np.mean(ends, axis=0)
-    return float(held / free)
-
-
-def release_jump(record: Record) -> float | None:
-    """Largest change of a motor's torque right after a hand lets go [% of its limit]."""
-    if not record.condition.drag:
-        return None
-    time, torque = record.trial.time, record["torque"]
-    released = max(drag.until for drag in record.condition.drag)
-    before = int(np.searchsorted(time, released)) - 1
-    after = torque[(time > released) & (time <= released + JUMP)]
-    if before < 0 or not len(after):
-        return None
-    limit = record.task.stage.robot.torque_limit
-    return 100 * float(np.max(np.abs(after - torque[before]) / limit))
+def end(record: Record) -> np.ndarray:
+    """How far from perfect a trial's pour and end are (1,): :attr:`Served.end`."""
+    return np.array([served(record).end])
 
 
 def _distances(name: str, part: str, label: str, title: str) -> tuple[Measure, Measure]:
@@ -190,6 +169,42 @@ def _distances(name: str, part: str, label: str, title: str) -> tuple[Measure, M
     )
 
 
+def _after_holding() -> tuple[Measure, ...]:
+    """What comes of being held, where state and where the clock says how far serving has come."""
+    found = []
+    for name, suffix in (("by state", ""), ("by clock", "_by_clock")):
+        limited = not suffix
+        found += [
+            Measure(
+                f"success_held{suffix}_percent",
+                of=success,
+                unit="%",
+                label="held",
+                controller=name,
+                across=mean,
+                limit=90.0 if limited else None,
+                at_least=True,
+                title=f"The same, held for 5 s, {name}",
+            ),
+            Measure(
+                f"held_ratio{suffix}",
+                whole=held_ratio(name, end),
+                limit=1.3 if limited else None,
+                title=f"Pour and end after being held, beside unheld, worst, {name}",
+            ),
+            Measure(
+                f"release_jump{suffix}_percent",
+                of=release_jump,
+                unit="%",
+                label="held",
+                controller=name,
+                limit=20.0 if limited else None,
+                title=f"Largest jump of torque at letting go, of the motors' limits, {name}",
+            ),
+        ]
+    return tuple(found)
+
+
 MEASURES = (
     Measure(
         "success_percent",
@@ -211,28 +226,7 @@ MEASURES = (
         at_least=True,
         title="The same, pushed in every phase",
     ),
-    Measure(
-        "success_held_percent",
-        of=success,
-        unit="%",
-        label="held",
-        across=mean,
-        title="The same, held for 5 s and let go",
-    ),
-    Measure(
-        "held_ratio",
-        whole=held_ratio,
-        limit=1.3,
-        title="Pour and end after being held, over the same unheld",
-    ),
-    Measure(
-        "release_jump_percent",
-        of=release_jump,
-        unit="%",
-        label="held",
-        limit=20.0,
-        title="Jump of torque when the hand lets go, of a motor's limit, worst",
-    ),
+    *_after_holding(),
     Measure(
         "tilt_carried_max_deg",
         of=lambda record: served(record).tilt,

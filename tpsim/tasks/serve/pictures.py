@@ -16,7 +16,13 @@ from tpsim.world.world import World
 
 DEMONSTRATION = "Demonstration: serving"
 
-_TEXTS = {"unpushed": "as taught", "pushed": "pushed", "held": "held for 5 s"}
+_KINDS = {
+    "as taught": ("unpushed", "learned"),
+    "pushed": ("pushed", "learned"),
+    "held, by state": ("held", "by state"),
+    "held, by clock": ("held", "by clock"),
+}
+"""Label and controller of the trials of each kind."""
 
 _FAULTS = "How many trials of each kind succeeded, and what went wrong in the others."
 _TILT = (
@@ -37,7 +43,8 @@ def tilt(trial: Trial) -> np.ndarray:
 
 def sections(records: Records) -> list[Section]:
     """What went wrong, tilt over time, stiffness, as far as the trials show them."""
-    groups = records.groups(_TEXTS)
+    kinds = {text: records.select(*kind) for text, kind in _KINDS.items()}
+    groups = {text: trials for text, trials in kinds.items() if trials}
     if not groups:
         return []
     rows = []
@@ -66,12 +73,12 @@ def clips(lab: Lab, records: Records) -> list[Clip]:
         if trials:
             caption = DEMONSTRATION, "both weightless arms are led by hand"
             shown.append(_clip(lab.world, trials[0], *caption, speed=3.0))
-    for label, subtitle in (
-        ("unpushed", "dock, sugar and bowl where they never were"),
+    for kind, subtitle in (
+        ("as taught", "dock, sugar and bowl where they never were"),
         ("pushed", "a person pushes with 10 N"),
-        ("held", "a person holds the hand for 5 s"),
+        ("held, by state", "a person holds the hand for 5 s"),
     ):
-        if found := records.select(label):
+        if found := records.select(*_KINDS[kind]):
             shown.append(_clip(lab.world, found[-1].trial, "Reproduction", subtitle, speed=2.0))
     return shown
 

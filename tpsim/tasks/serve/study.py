@@ -1,17 +1,18 @@
 """The study of serving: unseen situations, pushed in every phase, and held for a while."""
 
+from dataclasses import replace
+from typing import Literal
+
 import numpy as np
 
 from tpsim.study.condition import Condition
-from tpsim.study.record import Record
-from tpsim.study.study import Lab, Phases, Plan, Study
-from tpsim.task.task import draw_situation
+from tpsim.study.study import ControllerFactory, Lab, Phases, Plan, Study
+from tpsim.task.task import Task, draw_situation
 from tpsim.tasks.serve import pictures, scene
 from tpsim.tasks.serve.measures import MEASURES
 from tpsim.tasks.serve.task import Serve
 from tpsim.tasks.serve.teacher import PHASES
-from tpsim.world.people.drag import Drag
-from tpsim.world.people.guide import Grip
+from tpsim.world.people.hold import Hold
 from tpsim.world.people.push import Push
 
 PUSH, LASTS = 10.0, 2.0
@@ -20,8 +21,8 @@ PUSH, LASTS = 10.0, 2.0
 HOLDS = 5.0
 """How long a person holds the hand [s]."""
 
-HAND = Grip(2000.0, 120.0, 60.0, 2.5, 100.0, 10.0)
-"""Of who holds it."""
+BY: dict[str, Literal["clock", "state"]] = {"by state": "state", "by clock": "clock"}
+"""Controllers that are held: what says how far the movement has come."""
 
 PARTS = {
     "take": ("take", "grasp"),
@@ -45,7 +46,7 @@ def moments() -> dict[str, tuple[float, float]]:
 
 
 def conditions(lab: Lab, plan: Plan) -> Phases:
-    """Every situation unpushed, pushed in one part after the other, and held where it then is."""
+    """Every situation unpushed, pushed in one part after the other, and held in one of them."""
     found = []
     for index in range(plan.situations):
         situation = draw_situation(lab.task, plan.seed, index)
@@ -53,9 +54,12 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
         found.append(Condition("unpushed", situation))
         for k in range(plan.pushes):
             found.append(Condition("pushed", situation, push=(_push(rng, k),)))
-    records = yield found
-    if plan.pushes:
-        yield [_held(lab, twin, plan) for twin in records.select("unpushed")]
+        hold = (_hold(plan.rng(_HOLDS, index), index),)
+        for name in BY if plan.pushes else ():
+            found.append(Condition("unpushed", situation, name))
+            lasts = lab.task.duration + HOLDS
+            found.append(Condition("held", situation, name, hold=hold, duration=lasts))
+    yield found
 
 
 def _push(rng: np.random.Generator, k: int) -> Push:
@@ -70,24 +74,22 @@ def _push(rng: np.random.Generator, k: int) -> Push:
     return Push(site, tuple(force.tolist()), start=start, duration=LASTS)
 
 
-def _held(lab: Lab, twin: Record, plan: Plan) -> Condition:
-    """The left hand held where it is at a moment of one part, and let go."""
-    situation = twin.condition.situation
-    rng = plan.rng(_HOLDS, situation.index)
-    begin, end = moments()[list(PARTS)[situation.index % len(PARTS)]]
-    k = int(np.searchsorted(twin.trial.time, rng.uniform(begin, end)))
-    time = float(twin.trial.time[k])
-    pose = (tuple(twin[f"left_hand_{part}"][k].tolist()) for part in ("position", "quaternion"))
-    position, quaternion = pose
-    hold = Drag(
-        "holder", scene.LEFT, (time,), (position,), (quaternion,), until=time + HOLDS, grip=HAND
-    )
-    return Condition("held", situation, drag=(hold,), duration=lab.task.duration + HOLDS)
+def _hold(rng: np.random.Generator, index: int) -> Hold:
+    """The hand with the cup is held in one part of situation after situation."""
+    begin, end = moments()[list(PARTS)[index % len(PARTS)]]
+    return Hold(scene.LEFT, float(np.round(rng.uniform(begin, end), 2)), HOLDS)
+
+
+def _by(task: Task) -> dict[str, ControllerFactory]:
+    """The task's controller, by the clock and by the state."""
+    assert isinstance(task, Serve)
+    return {name: replace(task, progress=by).controller for name, by in BY.items()}
 
 
 serve = Study(
     Serve(),
     MEASURES,
+    controllers=_by,
     conditions=conditions,
     title="Serve: take, sugar, pour, put back",
     lead=(

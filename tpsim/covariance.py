@@ -95,6 +95,16 @@ def checked_covariance(covariance: np.ndarray) -> np.ndarray:
     return covariance
 
 
+def faded(precision: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """Shares (..., D, D) that are left of information when its place is uncertain.
+
+    What is known with a precision Lambda about a place that is itself known up to a covariance S
+    has the precision (Lambda^-1 + S)^-1 = (I + Lambda S)^-1 Lambda, and the information Lambda mu
+    becomes (I + Lambda S)^-1 Lambda mu; Lambda and S may be singular.
+    """
+    return np.linalg.inv(np.eye(precision.shape[-1]) + precision @ covariance)
+
+
 def _check_eigenvalues(covariance: np.ndarray) -> None:
     """Raise an ArgumentError where an eigenvalue is below zero by more than rounding."""
     least = np.linalg.eigvalsh(unit_variances(covariance))[..., 0]

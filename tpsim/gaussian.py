@@ -28,6 +28,7 @@ from tpsim.covariance import WORST_CONDITION as WORST_CONDITION
 from tpsim.covariance import add_ridge as add_ridge
 from tpsim.covariance import checked_covariance
 from tpsim.covariance import cholesky as cholesky
+from tpsim.covariance import faded as faded
 from tpsim.covariance import floor_eigenvalues as floor_eigenvalues
 from tpsim.covariance import inverse_spd as inverse_spd
 from tpsim.covariance import symmetric as symmetric
@@ -257,16 +258,6 @@ def gaussian_product(gaussians: Sequence[Gaussian]) -> Gaussian:
         raise ArgumentError("a product needs at least one Gaussian; none was given")
     curved = (g for g in factors if type(g) is not Gaussian)
     return next(curved, factors[0])._product(factors)
-
-
-def faded(precision: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """Shares (..., D, D) that are left of information when its place is uncertain.
-
-    What is known with a precision Lambda about a place that is itself known up to a covariance S
-    has the precision (Lambda^-1 + S)^-1 = (I + Lambda S)^-1 Lambda, and the information Lambda mu
-    becomes (I + Lambda S)^-1 Lambda mu; Lambda and S may be singular.
-    """
-    return np.linalg.inv(np.eye(precision.shape[-1]) + precision @ covariance)
 
 
 def match_moments(weights: ArrayLike, gaussian: Gaussian) -> Gaussian:

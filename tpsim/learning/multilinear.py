@@ -131,7 +131,10 @@ def tucker(
         A tensor of one mode or without entries, or ranks that do not fit its shape.
     """
     x, size = _scaled(tensor)
-    left, values = zip(*(_svd(unfold(x, mode)) for mode in range(x.ndim)), strict=True)
+    left, values = zip(
+        *(np.linalg.svd(unfold(x, mode), full_matrices=False)[:2] for mode in range(x.ndim)),
+        strict=True,
+    )
     if ranks is None:
         kept = [_enough(s, (1 - share) / x.ndim) for s in values]
     else:
@@ -141,7 +144,7 @@ def tucker(
     for _ in range(max_iterations):
         for mode, rank in enumerate(kept):
             seen = unfold(_along_all(x, [f.T for f in factors], without=mode), mode)
-            factors[mode] = _svd(seen)[0][:, :rank]
+            factors[mode] = np.linalg.svd(seen, full_matrices=False)[:2][0][:, :rank]
             if factors[mode].shape[1] < rank:  # the other ranks leave fewer directions than that
                 factors[mode] = left[mode][:, :rank]
         norm = float((_along_all(x, [f.T for f in factors]) ** 2).sum())
@@ -195,7 +198,7 @@ def cp(
         factors = [random.standard_normal((length, rank)) for length in x.shape]
         if start == 0:
             for factor, matrix in zip(factors, unfolded, strict=True):
-                leading = _svd(matrix)[0][:, :rank]
+                leading = np.linalg.svd(matrix, full_matrices=False)[:2][0][:, :rank]
                 factor[:, : leading.shape[1]] = leading
         found = _alternate(unfolded, factors, tolerance, max_iterations)
         if best is None or found[0] < best[0]:
@@ -253,12 +256,6 @@ def _along_all(
         if mode != without:
             tensor = np.moveaxis(np.tensordot(matrix, tensor, (1, mode)), 0, mode)
     return tensor
-
-
-def _svd(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Left singular vectors and singular values of a matrix."""
-    left, values, _ = np.linalg.svd(matrix, full_matrices=False)
-    return left, values
 
 
 def _signed(factor: np.ndarray) -> np.ndarray:

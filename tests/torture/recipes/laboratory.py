@@ -287,6 +287,7 @@ def _worlds(book: Book) -> None:
         before=1.0,
         seed=0,
     )
+    add("lab.Perception.remembered", lab.Perception().remembered, trial=TRIAL)
     add("lab.Perception.hides", lab.Perception().hides, name="mark", time=1.0)
     add("lab.PoseFilter", lab.PoseFilter, noise=(0.005, 0.03), wander=(0.005, 0.02))
     seeing = lab.PoseFilter()

@@ -64,7 +64,7 @@ class Tracking(Task):
         Of the covariances. ``"spherical"``: one precision for each frame, alike in all
         directions. ``"learned"``: of full covariances as much of the shape as so many
         demonstrations support (:func:`tpsim.shrink_directions`); with two components it keeps
-        priorities, but not the split of a compromise.
+        who comes first, but not the split of a compromise (docs/priorities.md).
     bend : float
         Curvature of a hand's way as its arm stretches [m/rad^2]: the length of one link.
     carousel : Carousel

@@ -1,5 +1,7 @@
 """Tracking within constraints: Riccati where none binds, KKT where they do, what is infeasible."""
 
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -21,7 +23,7 @@ from tpsim import (
     receding_horizon,
     state_references,
 )
-from tpsim.errors import ArgumentError
+from tpsim.errors import ArgumentError, TpsimError
 
 SYSTEM = integrator(2, 0.1, exact=True)
 T = 20
@@ -227,3 +229,11 @@ def test_coordinate_systems_have_state_sequences_of_their_own():
         state_references(models, [sequences[0], np.array([], int)])
     with pytest.raises(ArgumentError, match="has 3 at step 1"):
         state_references(models[0], [np.array([0, 3])])
+
+
+def test_a_missing_solver_is_one_line_that_installs_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "qpsolvers", None)
+    given_ = problem(0)
+    constrained_lqt(*given_, limits(1e4))  # where nothing binds none is needed
+    with pytest.raises(TpsimError, match=r"pip install 'tpsim\[constraints\]'"):
+        constrained_lqt(*given_, limits(1.0))

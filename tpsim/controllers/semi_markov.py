@@ -35,7 +35,7 @@ REST = 20.0
 
 
 class SemiMarkovTracking(RenewedImpedance):
-    """Receding-horizon LQT (Eqs 33-38) along the states that an HSMM expects from what it sees.
+    """Receding-horizon LQT (Section 6) along the states that an HSMM expects from what it sees.
 
     What is seen of position and velocity says in which state the movement is and how fast it goes
     (:class:`~tpsim.retrieval.progress.ProgressFilter`); the most likely states to come are the

@@ -3,6 +3,7 @@
 import numpy as np
 
 from tpsim.border import Positive, border
+from tpsim.checks import finite_array, shown
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.semi_markov import SemiMarkovChain
@@ -44,13 +45,18 @@ class Passage:
                 f"places have means of shape {places.mean.shape}; with stays of {stays.tolist()} "
                 f"ticks give ({stays.sum()}, d)"
             )
+        deviation, d = finite_array("speed_deviation", speed_deviation), places.mean.shape[1]
+        if deviation.shape not in ((), (d,)) or not (deviation > 1e-150).all():
+            raise ArgumentError(
+                f"speed_deviation is {shown(speed_deviation)}; give a positive number, or ({d},)"
+            )
         first = np.cumsum(stays) - stays
         ages = np.minimum(np.arange(chain.longest), stays[:, None] - 1)
         self.chain, self.places = chain, places
         self._index = first[:, None] + ages
         still = len(places.mean) == 1
         self._speed = 0 * places.mean if still else np.gradient(places.mean, dt, axis=0)
-        self._weight = 1 / np.broadcast_to(np.square(speed_deviation), places.mean.shape[1:])
+        self._weight = np.broadcast_to(deviation, (d,)) ** -2.0
         self._precision = places.precision
         self._volume = 0.5 * np.linalg.slogdet(self._precision)[1]
 

@@ -913,13 +913,22 @@ def _control(book: Book) -> None:
         tp.Constraint,
         words=("constraint",),
         takes={"lower": {"one inf"}, "upper": {"one inf"}},
+        infinite=True,
         name="there",
         lower=np.array([-0.5]),
         upper=np.array([0.5]),
         state=np.eye(1, 4),
         control=np.zeros((1, 2)),
     )
-    add("joint_range", tp.joint_range, words=("constraint",), lower=-np.ones(2), upper=np.ones(2))
+    add(
+        "joint_range",
+        tp.joint_range,
+        words=("constraint",),
+        takes={"lower": {"one inf"}, "upper": {"one inf"}},
+        infinite=True,
+        lower=-np.ones(2),
+        upper=np.ones(2),
+    )
     add("joint_speed", tp.joint_speed, words=("constraint",), limit=np.ones(2))
     add(
         "joint_torque",

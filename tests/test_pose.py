@@ -1,24 +1,16 @@
-"""Poses seen from objects: charts of orientation, and frames that are affine about a pose."""
+"""Poses: one seen from the other, and back."""
 
 import numpy as np
 import pytest
 
 from tpsim import rotation
-from tpsim.pose import coordinates, object_frame
+from tpsim.pose import Pose
 
 RNG = np.random.default_rng(5)
-REFERENCE, COMMON = rotation.exp(RNG.normal(size=(2, 3)))
 
 
-def random_pose(shape=(), spread=1.0):
-    return rotation.exp(spread * RNG.normal(size=(*shape, 3))), RNG.normal(size=(*shape, 3))
-
-
-def common_of(local, dock):
-    """Common coordinates of poses that an object sees, without any frame."""
-    R, p = dock
-    seen = rotation.exp(local[..., 3:]) @ REFERENCE
-    return coordinates((R @ seen, p + local[..., :3] @ R.T), COMMON)
+def some(shape=()):
+    return Pose(rotation.exp(RNG.normal(size=(*shape, 3))), RNG.normal(size=(*shape, 3)))
 
 
 @pytest.mark.parametrize("size", [0.0, 1e-6, 1e-3, 0.5, 3.0])
@@ -28,40 +20,19 @@ def test_the_left_jacobian_has_its_inverse(size):
     np.testing.assert_allclose(product, np.eye(3), atol=1e-9)
 
 
-def test_coordinates_are_zero_at_the_reference_of_the_object():
-    R, p = random_pose()
-    np.testing.assert_allclose(
-        coordinates((R @ REFERENCE, p), REFERENCE, seen_from=(R, p)), 0, atol=1e-12
-    )
+@pytest.mark.parametrize("shape", [(), (4,)])
+def test_what_is_seen_from_an_object_is_found_again(shape):
+    dock, hand = some(shape), some(shape)
+    seen = dock.inverse @ hand
+    again = dock @ seen
+    np.testing.assert_allclose(again.rotation, hand.rotation, atol=1e-12)
+    np.testing.assert_allclose(again.position, hand.position, atol=1e-12)
+    there = Pose.of_quaternion(hand.position, hand.quaternion)
+    np.testing.assert_allclose(there.rotation, hand.rotation, atol=1e-12)
 
 
-def test_coordinates_do_not_change_when_world_and_object_move_together():
-    hand, dock = random_pose((7,)), random_pose()
-    Q, shift = random_pose()
-    moved = [(Q @ R, p @ Q.T + shift) for R, p in (hand, dock)]
-    np.testing.assert_allclose(
-        coordinates(*moved[:1], REFERENCE, seen_from=moved[1]),
-        coordinates(hand, REFERENCE, seen_from=dock),
-        atol=1e-9,
-    )
-
-
-def test_the_frame_is_exact_at_the_pose_and_to_first_order_about_it():
-    dock, hand = random_pose(), random_pose((5,), spread=0.6)
-    y, local = coordinates(hand, COMMON), coordinates(hand, REFERENCE, seen_from=dock)
-    frame = object_frame(dock, REFERENCE, COMMON, y)
-    np.testing.assert_allclose(frame.to_common(local), y, atol=1e-9)
-    h = 1e-5
-    for k, step in enumerate(h * np.eye(6)):
-        slope = (common_of(local + step, dock) - common_of(local - step, dock)) / (2 * h)
-        np.testing.assert_allclose(frame.A[..., k], slope, atol=1e-7)
-
-
-def test_frames_move_with_the_object():
-    docks, hand = random_pose((4,), 0.5), random_pose((4,), 0.5)
-    y = coordinates(hand, COMMON)
-    moving = object_frame(docks, REFERENCE, COMMON, y)
-    for t in range(4):
-        still = object_frame((docks[0][t], docks[1][t]), REFERENCE, COMMON, y[t])
-        np.testing.assert_allclose(moving.A[t], still.A, atol=1e-12)
-        np.testing.assert_allclose(moving.b[t], still.b, atol=1e-12)
+def test_what_an_object_sees_does_not_change_when_both_move_together():
+    dock, hand, world = some(), some(), some()
+    seen, again = dock.inverse @ hand, (world @ dock).inverse @ (world @ hand)
+    np.testing.assert_allclose(again.rotation, seen.rotation, atol=1e-12)
+    np.testing.assert_allclose(again.position, seen.position, atol=1e-12)

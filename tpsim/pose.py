@@ -1,9 +1,4 @@
-"""Poses (x, y, z [m], rotation vector [rad]) seen from objects that are placed and turned anywhere.
-
-A rotation R is the vector ``log(R C')`` from a reference rotation C: a chart in which a movement
-is a curve that linear systems can follow. From one chart to another, as from an object's frame to
-the common one, the map is smooth but not affine; its affine part near a pose is the frame of Eq. 4.
-"""
+"""Poses of bodies and objects: a rotation and a place, one seen from the other."""
 
 from typing import NamedTuple
 
@@ -12,7 +7,6 @@ import numpy as np
 from tpsim import rotation
 from tpsim.checks import finite_array, frozen_array, instance, picked
 from tpsim.errors import ArgumentError
-from tpsim.frame import Frame
 
 
 class Pose(NamedTuple):
@@ -68,56 +62,3 @@ class Pose(NamedTuple):
                 f"position has shape {p.shape} and rotation {R.shape}; give (..., 3) and (..., 4)"
             )
         return cls(R, p)
-
-
-def coordinates(pose: Pose, reference: np.ndarray, seen_from: Pose | None = None) -> np.ndarray:
-    """Six coordinates (..., 6) of a pose, in the world or seen from an object.
-
-    Parameters
-    ----------
-    pose : Pose
-    reference : (3, 3)
-        Rotation, as seen from there, whose vector is zero.
-    seen_from : Pose, optional
-        Of an object in the world.
-    """
-    R, p = pose
-    if seen_from is not None:
-        R_object, p_object = seen_from
-        back = np.swapaxes(R_object, -1, -2)
-        R, p = back @ R, (back @ (p - p_object)[..., None])[..., 0]
-    return np.concatenate([p, rotation.log(R @ reference.T)], axis=-1)
-
-
-def object_frame(
-    object_pose: Pose, reference: np.ndarray, common_reference: np.ndarray, near: np.ndarray
-) -> Frame:
-    """Frame (4) of an object: from the coordinates that it sees to the common ones.
-
-    Exact in position; in orientation, exact to first order about the poses ``near``. It is the
-    Jacobian of the change of chart, ``A = J(y)^-1 R J(theta)`` with J the left Jacobian of SO(3).
-
-    Parameters
-    ----------
-    object_pose : Pose
-        In the world; leading axes carry time.
-    reference, common_reference : (3, 3)
-        Rotations whose vectors are zero, as seen from the object and in the world.
-    near : (..., 6)
-        Common coordinates of the poses about which the map is exact.
-
-    Returns
-    -------
-    Frame
-        A (..., 6, 6), b (..., 6).
-    """
-    (R, p), y = object_pose, near[..., 3:]
-    seen = np.swapaxes(R, -1, -2) @ rotation.exp(y) @ common_reference
-    theta = rotation.log(seen @ reference.T)
-    A = np.zeros((*near.shape, 6))
-    A[..., :3, :3] = R
-    A[..., 3:, 3:] = rotation.left_jacobian_inverse(y) @ (R @ rotation.left_jacobian(theta))
-    b = np.empty(near.shape)
-    b[..., :3] = p
-    b[..., 3:] = y - (A[..., 3:, 3:] @ theta[..., None])[..., 0]
-    return Frame(A, b)

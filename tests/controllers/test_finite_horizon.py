@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from tpsim import Gaussian
-from tpsim.control.poses import SeenMovement
-from tpsim.controllers.finite_horizon import FiniteHorizon
+from tpsim import Gaussian, RiemannianGaussian
+from tpsim.controllers.finite_horizon import POSE, FiniteHorizon
 from tpsim.errors import ArgumentError
-from tpsim.pose import Pose, coordinates
+from tpsim.pose import Pose
 from tpsim.world.impedance import Drive, hand_stiffness
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.push import Push
@@ -26,12 +25,12 @@ def controller(world, offset=(0.0, 0.0, 0.0), joints=None, deviation=0.005):
     """Stay at an offset [m] from the home pose of the left hand, as the dock sees it."""
     robot = world.robot
     R, p = robot.at_home.pose("left_gripper")
-    reference = DOCK.rotation.T @ R
-    mean = np.tile(coordinates(Pose(R, p + offset), reference, seen_from=DOCK), (30, 1))
+    seen = DOCK.inverse @ Pose(R, p + offset)
+    mean = np.tile(np.append(seen.position, seen.quaternion), (30, 1))
     return FiniteHorizon(
         robot,
         ["end"],
-        [SeenMovement(mean, np.tile(np.eye(6) / deviation**2, (30, 1, 1)), reference)],
+        [RiemannianGaussian(POSE, mean, deviation**2 * np.eye(6))],
         Gaussian(np.tile(robot.home[:7], (30, 1)), 0.04 * np.eye(7)),
         joints=robot.joints[:7] if joints is None else joints,
         site="left_gripper",

@@ -5,14 +5,18 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg.lapack import dposv
 
-from tpsim import rotation
 from tpsim.border import Count, Positive, border
 from tpsim.control.impedance import impedance
-from tpsim.control.poses import SeenMovement, fuse_poses, track_poses
 from tpsim.control.system import integrator
+from tpsim.control.unrolled import Unrolled, tracked
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.errors import ArgumentError
+from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
+from tpsim.learning.product_on import placed
+from tpsim.manifold.gaussian import RiemannianGaussian
+from tpsim.manifold.manifold import S3, R
+from tpsim.manifold.product import fused
 from tpsim.pose import Pose
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
@@ -44,12 +48,17 @@ HOLD = 400.0
 """Stiffness [1/s^2] of the joints that do not belong to the arm."""
 
 
+POSE = R(3) * S3
+"""Where the hand's pose lives."""
+
+
 class FiniteHorizon(RenewedImpedance):
     """A hand carried along a movement that objects see, by finite-horizon LQT (Eqs 34-38).
 
-    The hand's pose y, six coordinates in a chart about its last orientation, is a double
-    integrator ``ddy = u`` with ``u_t = k_t - K_t [y, dy]``: stiffness and damping change over time
-    with the precision of the movement. Through the arm's inertia this is torque,
+    The hand's pose lives on its manifold, ``R(3) * S3``; the product of what the objects saw is
+    unrolled onto a plane (:mod:`tpsim.control.unrolled`), where the pose y is a double integrator
+    ``ddy = u`` with ``u_t = k_t - K_t [y, dy]``, however far it turns: stiffness and damping change
+    over time with the precision of the movement. Through the arm's inertia this is torque,
     ``tau = J^T (J M^-1 J^T)^-1 u``; what is left of the arm follows the taught posture in the
     hand's nullspace (Eq. 42) by the infinite-horizon optimum. The effort is torque, ``r |tau|^2``
     in the taught postures, so that what is light is not softer than what is heavy. The plan is
@@ -61,9 +70,9 @@ class FiniteHorizon(RenewedImpedance):
     ----------
     robot : Robot
     objects : sequence of str
-        The objects that see the movement; the chart is the last one's.
-    movements : sequence of SeenMovement
-        One for each, sampled at ``dt``; the end lasts.
+        The objects that see the movement.
+    movements : sequence of RiemannianGaussian (T,) on R(3) * S3
+        What each of them saw of the hand, sampled at ``dt``; the end lasts.
     posture : Gaussian (T, n)
         Of the arm's joints [rad].
     joints : tuple of str
@@ -83,7 +92,7 @@ class FiniteHorizon(RenewedImpedance):
         self,
         robot: Robot,
         objects: Sequence[str],
-        movements: Sequence[SeenMovement],
+        movements: Sequence[RiemannianGaussian],
         posture: Gaussian,
         *,
         joints: Sequence[str],
@@ -98,19 +107,26 @@ class FiniteHorizon(RenewedImpedance):
         self._robot = robot
         if not joints or not movements:
             raise ArgumentError("joints and movements: give at least one of each")
+        kinds = [(str(one.manifold), one.mean.shape[:-1]) for one in movements]
+        if len(objects) != len(kinds) or set(kinds) != {(str(POSE), (len(movements[0].mean),))}:
+            raise ArgumentError(
+                f"movements are {kinds} for objects {self.objects}; give one (T,) on {POSE} for "
+                "each, all of the same length"
+            )
         if joints[0] not in robot.joints:
             raise ArgumentError(f"joints are {joints}; the robot has {robot.joints}")
         first = robot.joints.index(joints[0])
         self._arm = slice(first, first + len(joints))
         if robot.joints[self._arm] != tuple(joints):
             raise ArgumentError(f"joints {joints} do not follow each other on the robot")
-        if posture.mean.shape[1:] != (len(joints),) or len(posture.mean) != len(movements[0]):
+        steps = len(movements[0].mean)
+        if posture.mean.shape != (steps, len(joints)):
             raise ArgumentError(
                 f"posture has means of shape {posture.mean.shape}; with these joints and movements "
-                f"give ({len(movements[0])}, {len(joints)})"
+                f"give ({steps}, {len(joints)})"
             )
         self._system = integrator(6, dt, exact=True)
-        self._steps, self._tail = len(movements[0]), round(TAIL / dt)
+        self._steps, self._tail = len(movements[0].mean), round(TAIL / dt)
         # The costs of torque change slowly: one posture stands for some of its neighbours.
         some = posture[:: max(1, self._steps // POSTURES)]
         near = np.linspace(0, len(some.mean) - 1, self._steps).round().astype(int)
@@ -158,8 +174,8 @@ class FiniteHorizon(RenewedImpedance):
         if time >= self._next_look:
             self._look(state, time)
         step, spring, change = self._law(time)
-        seen = self._view(state)
-        J, M = seen.jacobian[:, arm], state.mass
+        place, J = self._on_plane(step, state)
+        J, M = J[:, arm], state.mass
         lever = J.T @ self._felt_inertia(M[arm, arm], J)
         null = M[arm, arm] - lever @ J
         swivel = null @ self._swivels[step]
@@ -168,7 +184,7 @@ class FiniteHorizon(RenewedImpedance):
         stiffness[arm, arm] = swivel - lever @ spring[:, :6] @ J
         damping[arm, arm] = null @ self._swivel_brakes[step]
         damping[arm, arm] += lever @ self._brakes[step - self._first] @ J
-        y = np.append(seen.value, 1.0)
+        y = np.append(place, 1.0)
         pull = lever @ (spring @ y) + swivel @ (self.posture.mean[step] - state.q[arm])
         # Only what pulls is cut: the brakes must hold what it has set in motion.
         cut = max(1.0, np.sqrt(pull * pull @ self._weakest))
@@ -191,23 +207,33 @@ class FiniteHorizon(RenewedImpedance):
 
     def _plan(self, first: int, poses: Sequence[Pose]) -> None:
         """Make the law from a step of the movement to its end."""
-        rest = [movement.from_step(first) for movement in self.movements]
-        reference = poses[-1][0] @ rest[-1].reference
-        means, precisions, fused = fuse_poses(rest, poses, reference)
-        turning = np.broadcast_to(np.eye(6), precisions.shape[1:]).copy()
-        turning[:, 3:, 3:] = rotation.left_jacobian(fused[:, 3:])
-        effort = turning.mT @ self._costs[first:] @ turning
+        frames = [Frame(R, p) for R, p in poses]
+        means, precisions = placed([one[first:] for one in self.movements], frames)
+        way, _ = fused(POSE, means, precisions)
         # The last law is that of a long horizon, since it is kept for ever.
-        means, precisions, (effort,) = (
-            np.concatenate([part, np.repeat(part[:, -1:], self._tail, axis=1)], axis=1)
-            for part in (means, precisions, effort[None])
+        way, means, precisions, costs = (
+            np.concatenate([part, np.repeat(part[..., -1:, :, :], self._tail, axis=-3)], axis=-3)
+            for part in (way[..., None], means[..., None], precisions, self._costs[first:])
         )
-        feedback = track_poses(means, precisions, self._system, effort)
-        kept = slice(len(rest[0]) + 1)
-        self._first, self._brakes = first, feedback.gain[kept, :, 6:]
+        path = Unrolled.of(POSE, way[..., 0])
+        effort = path.axes.mT @ costs @ path.axes
+        feedback = tracked(path, means[..., 0], precisions, self._system, effort)
+        kept = slice(self._steps - first + 1)
+        self._first, self._path, self._brakes = first, path, feedback.gain[kept, :, 6:]
         self._springs = np.dstack([-feedback.gain[..., :6], feedback.feedforward])[kept]
         self._slopes = np.diff(self._springs, axis=0)
-        self._view = SiteView(self.site, None, "pose", as_rotation(reference))
+        self._views: dict[int, SiteView] = {}
+
+    def _on_plane(self, step: int, state: State) -> tuple[np.ndarray, np.ndarray]:
+        """Where the hand is on the plane (6,), and its Jacobian (6, n), as seen from a step."""
+        t, path = step - self._first, self._path
+        if t not in self._views:
+            here = Pose.of_quaternion(path.points[t, :3], path.points[t, 3:])
+            self._views = {t: SiteView(self.site, None, "pose", as_rotation(here.rotation))}
+        seen, back = self._views[t](state), path.axes[t].T
+        away = seen.value.copy()
+        away[:3] -= path.points[t, :3]
+        return path.plane[t] + back @ away, back @ seen.jacobian
 
     def _law(self, time: float) -> tuple[int, np.ndarray, np.ndarray]:
         """Step of the movement, and spring there with its rate of change, linear between steps."""

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tpsim.control.poses import SeenMovement
 from tpsim.controllers.finite_horizon import FiniteHorizon
 from tpsim.controllers.minimal_intervention import MinimalIntervention
 from tpsim.controllers.product import Skill
@@ -17,6 +16,7 @@ from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.free_movement import Relevance
 from tpsim.learning.tp_gmm import TPGMM
+from tpsim.manifold.gaussian import RiemannianGaussian
 from tpsim.retrieval.tp_gmr import Order
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.joints import Joints
@@ -197,7 +197,7 @@ class HorizonRecipe(Recipe):
     """Of :class:`FiniteHorizon`."""
 
     objects: tuple[str, ...]
-    movements: tuple[SeenMovement, ...]
+    movements: tuple[RiemannianGaussian, ...]
     posture: Gaussian
     joints: tuple[str, ...]
     site: str
@@ -206,7 +206,7 @@ class HorizonRecipe(Recipe):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        lengths = {len(movement) for movement in self.movements} | {len(self.posture.mean)}
+        lengths = {len(movement.mean) for movement in self.movements} | {len(self.posture.mean)}
         if not 0 < len(self.objects) == len(self.movements) or len(lengths) > 1:
             raise ArgumentError("objects, movements and posture do not fit each other")
 

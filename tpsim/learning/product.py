@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from tpsim.checks import LARGEST, number
+from tpsim.checks import LARGEST, entries, instance, number
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame, plain_inverse, pseudoinverse
 from tpsim.gaussian import Gaussian, add_ridge, inverse_spd, symmetric
@@ -50,6 +50,44 @@ def product_of_frames(
         _check_all_seen([inverse for _, inverse in maps])
     covariance = inverse_spd(_sum(precisions), "sum of the frames' precisions")
     return Gaussian.trusted((covariance @ _sum(informations))[..., 0] + origin, covariance)
+
+
+def checked_frames(
+    frames: Sequence[Frame | None], local: Sequence[int], prior: Gaussian | None
+) -> list[Frame | None]:
+    """Frames of a model of local dimensions d_j, or an ArgumentError."""
+    given = [frames] if isinstance(frames, Frame) else entries("frames", frames, tables=False)
+    if len(given) != len(local):
+        raise ArgumentError(
+            f"{len(given)} frames were given; the model has {len(local)} (None where "
+            "one is not observed)"
+        )
+    dims = {instance("prior", prior, Gaussian).dim} if prior is not None else set()
+    moving: set[tuple[int, ...]] = set()
+    found: list[Frame | None] = []
+    for j, (frame, d) in enumerate(zip(given, local, strict=True)):
+        if frame is None:
+            found.append(None)
+            continue
+        if not isinstance(frame, Frame):
+            frame = instance(f"frame {j}", frame, Frame, "give Frame(A, b)")
+        found.append(frame)
+        *leading, D, local = frame.A.shape
+        if local != d:
+            raise ArgumentError(
+                f"frame {j} has A of shape {frame.A.shape}; the model asks for (..., D, {d})"
+            )
+        dims.add(D)
+        if leading:
+            moving.add(tuple(leading))
+    if len(dims) != 1:
+        raise ArgumentError(
+            f"the frames lead to common dimensions {sorted(dims)}; at least one frame must "
+            "be given, and all must agree"
+        )
+    if len(moving) > 1:
+        raise ArgumentError(f"the frames move in steps of {sorted(moving)}; all must agree")
+    return found
 
 
 def _sum(parts: list[np.ndarray]) -> np.ndarray:

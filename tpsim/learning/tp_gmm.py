@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
-from tpsim.checks import Seed, entries, frozen_array, instance, several, whole
+from tpsim.checks import Seed, frozen_array, several, whole
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
@@ -17,7 +17,7 @@ from tpsim.learning.fit_on import fit_on
 from tpsim.learning.free_movement import Relevance
 from tpsim.learning.gmm import GMM, checked_priors, log_priors, log_sum, posterior
 from tpsim.learning.moments import Memory
-from tpsim.learning.product import product_of_frames, product_with_ridge
+from tpsim.learning.product import checked_frames, product_of_frames, product_with_ridge
 from tpsim.learning.product_on import product_on
 from tpsim.learning.subspace import FULL, Structure
 from tpsim.manifold.manifold import Manifold
@@ -147,7 +147,7 @@ class TPGMM(Stored):
         """
         if self._on_manifolds:
             return GMM.trusted(self.priors, product_on(self.frames, frames, ridge, prior))
-        frames = self._checked_frames(frames, prior)
+        frames = checked_frames(frames, self.dims, prior)
         if ridge is not None:
             gaussians = product_with_ridge(self.frames, frames, ridge, prior)
         else:
@@ -194,42 +194,6 @@ class TPGMM(Stored):
     def _stacks(self) -> dict[tuple[int, ...], tuple[np.ndarray, np.ndarray]]:
         """Remembered, since adaptation runs in control loops."""
         return {}
-
-    def _checked_frames(
-        self, frames: Sequence[Frame | None], prior: Gaussian | None
-    ) -> list[Frame | None]:
-        given = [frames] if isinstance(frames, Frame) else entries("frames", frames, tables=False)
-        if len(given) != len(self.frames):
-            raise ArgumentError(
-                f"{len(given)} frames were given; the model has {len(self.frames)} (None where "
-                "one is not observed)"
-            )
-        dims = {instance("prior", prior, Gaussian).dim} if prior is not None else set()
-        moving: set[tuple[int, ...]] = set()
-        found: list[Frame | None] = []
-        for j, (frame, d) in enumerate(zip(given, self.dims, strict=True)):
-            if frame is None:
-                found.append(None)
-                continue
-            if not isinstance(frame, Frame):
-                frame = instance(f"frame {j}", frame, Frame, "give Frame(A, b)")
-            found.append(frame)
-            *leading, D, local = frame.A.shape
-            if local != d:
-                raise ArgumentError(
-                    f"frame {j} has A of shape {frame.A.shape}; the model asks for (..., D, {d})"
-                )
-            dims.add(D)
-            if leading:
-                moving.add(tuple(leading))
-        if len(dims) != 1:
-            raise ArgumentError(
-                f"the frames lead to common dimensions {sorted(dims)}; at least one frame must "
-                "be given, and all must agree"
-            )
-        if len(moving) > 1:
-            raise ArgumentError(f"the frames move in steps of {sorted(moving)}; all must agree")
-        return found
 
 
 def fit_tp_gmm(

@@ -42,7 +42,7 @@ these from each other: with t, t' taught and z far, E|t - t'|^2 = 2 E|t|^2 and
 E|z - t|^2 = |z|^2 + E|t|^2."""
 
 HELD = {"start": rotation.exp([np.pi, 0.0, 0.0]), "end": rotation.exp([0.0, np.pi, 0.0])}
-"""Rotation of the gripper in each dock, pointing down. The charts of orientation begin there."""
+"""Rotation of the gripper in each dock, pointing down. What its views see begins there."""
 
 TILT, OUT = rotation.exp([-0.3, 0.0, 0.0]), np.array([0.0, 0.12, 0.03])
 """From inside a dock to the pose that the teacher passes before and after it, for an arm of size 1:

@@ -13,14 +13,15 @@ from typing import ClassVar
 
 import numpy as np
 
+from tpsim import rotation
 from tpsim.catalogue.robots import find
-from tpsim.control.poses import SeenMovement
-from tpsim.controllers.finite_horizon import FiniteHorizon
+from tpsim.controllers.finite_horizon import POSE, FiniteHorizon
 from tpsim.demonstration import Demonstration
 from tpsim.gaussian import Gaussian
 from tpsim.learning.dtw import align
 from tpsim.learning.gmm import GMM
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
+from tpsim.manifold.gaussian import shifted
 from tpsim.pose import Pose
 from tpsim.retrieval.gmr import gmr
 from tpsim.robot.indices import Chain
@@ -145,10 +146,11 @@ class Transfer(Task):
         *seen, posture = (gmr(GMM(model.priors, frame), times) for frame in model.frames)
         movements = []
         for name, *parts in zip(docks.NAMES, seen[::2], seen[1::2], strict=True):
-            precision = np.zeros((len(times), 6, 6))
-            precision[:, :3, :3], precision[:, 3:, 3:] = (part.precision for part in parts)
+            covariance = np.zeros((len(times), 6, 6))
+            covariance[:, :3, :3], covariance[:, 3:, 3:] = (part.covariance for part in parts)
             mean = np.hstack([gaussian.mean for gaussian in parts])
-            movements.append(SeenMovement(mean, precision, docks.HELD[name]))
+            held = np.append(np.zeros(3), rotation.to_quaternion(docks.HELD[name]))
+            movements.append(shifted(POSE, held, Gaussian.trusted(mean, covariance)))
         return FiniteHorizon(
             world.robot,
             docks.NAMES,

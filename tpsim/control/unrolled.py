@@ -131,11 +131,13 @@ class Unrolled:
                 f"gaussian is on {g.manifold} with leading axes {g.mean.shape[:-1]}; give (..., "
                 f"{len(self)}) on {self.manifold}"
             )
-        work = self.manifold.work
-        v = work.log(self.points, g.mean)
-        back = work.slope(self.points, g.mean, v) @ self.axes
+        return self._placed(g.mean, g.precision)
+
+    def _placed(self, means: np.ndarray, precisions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        v, slope = self.manifold.work.seen(self.points, means)
+        back = slope @ self.axes
         mean = self.plane + (self.axes.mT @ v[..., None])[..., 0]
-        return mean, symmetric(back.mT @ g.precision @ back)
+        return mean, symmetric(back.mT @ precisions @ back)
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,7 +243,7 @@ def lqt_on(
     nominal, first = many.mean[-1], many.mean[-1, 0] if initial is None else initial
     for _ in range(ROUNDS):
         path = Unrolled.of(g.manifold, nominal)
-        plan = ManifoldPlan(path, tracked(path, many, system, effort))
+        plan = ManifoldPlan(path, tracked(path, many.mean, many.precision, system, effort))
         before, nominal = nominal, plan.rollout(first)
         if g.manifold.flat or g.manifold.distance(before, nominal).max() < STILL:
             break
@@ -249,10 +251,17 @@ def lqt_on(
 
 
 def tracked(
-    path: Unrolled, reference: RiemannianGaussian, system: LinearSystem, effort: ArrayLike
+    path: Unrolled,
+    means: np.ndarray,
+    precisions: np.ndarray,
+    system: LinearSystem,
+    effort: ArrayLike,
 ) -> Feedback:
-    """Law on the plane that tracks Gaussians (P, T); velocities are free."""
-    means, precisions = path.place(reference)
+    """Law on the plane that tracks points (P, T, width) of precisions (P, T, dim, dim).
+
+    Velocities are free.
+    """
+    means, precisions = path._placed(means, precisions)
     P, T, d = means.shape
     states, weights = np.zeros((P, T, 2 * d)), np.zeros((P, T, 2 * d, 2 * d))
     states[..., :d], weights[..., :d, :d] = means, precisions

@@ -37,6 +37,14 @@ def product_on(
     return RiemannianGaussian.trusted_on(manifold, *fused(manifold, means, precisions))
 
 
+def placed(
+    local: Sequence[RiemannianGaussian], frames: Sequence[Frame]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Means (P, ..., K, width) and precisions (P, ..., K, dim, dim) in common coordinates."""
+    _, means, precisions = _placed(_observed(local, frames))
+    return means, precisions
+
+
 def _observed(
     local: Sequence[Gaussian], frames: Sequence[Frame | None]
 ) -> list[tuple[RiemannianGaussian, Frame]]:

@@ -11,12 +11,13 @@ from functools import cached_property
 
 import numpy as np
 
-from tpsim.gaussian import LOG_2PI, Gaussian, cholesky
+from tpsim.gaussian import Gaussian
 from tpsim.learning.em import Limits, Mixture, maximise
 from tpsim.learning.moments import Moments
 from tpsim.learning.regularisation import Floor, Ridge, data_floors
 from tpsim.learning.statistics import FAINTEST, Components
 from tpsim.learning.subspace import FULL, Structure
+from tpsim.learning.tangent_sums import Sums, log_densities, whitening_of
 from tpsim.manifold.gaussian import RiemannianGaussian, carried, shifted
 from tpsim.manifold.manifold import Manifold
 
@@ -87,23 +88,23 @@ class TangentSamples:
 
     def log_densities(self, model: Charted) -> np.ndarray:
         """Log density of every sample under every component, all frames together, (N, K)."""
-        whitening = [_whitening(part.covariance) for part in model.mixture.components]
+        whitening = [whitening_of(part.covariance) for part in model.mixture.components]
         K = len(model.mixture.priors)
         return np.concatenate(
             [
-                _log_densities(self._tangents(rows, model.bases), whitening).T
+                log_densities(self._tangents(rows, model.bases), whitening).T
                 for rows in self._blocks(K)
             ]
         )
 
     def expectation(self, model: Charted) -> tuple[float, Moments]:
         """Mean log-likelihood, Eq. (49), and moments in the tangent spaces, in one pass."""
-        whitening = [_whitening(part.covariance) for part in model.mixture.components]
+        whitening = [whitening_of(part.covariance) for part in model.mixture.components]
         bias = np.log(model.mixture.priors)[:, None]
-        total, log_likelihood = _Sums(model.bases, self.manifolds), 0.0
+        total, log_likelihood = Sums(model.bases, self.manifolds), 0.0
         for rows in self._blocks(len(bias)):
             tangents = self._tangents(rows, model.bases)
-            joint = _log_densities(tangents, whitening)
+            joint = log_densities(tangents, whitening)
             joint += bias
             top = joint.max(0)
             joint -= top
@@ -116,7 +117,7 @@ class TangentSamples:
 
     def moments(self, h: np.ndarray, bases: Sequence[np.ndarray]) -> Moments:
         """Moments in the tangent spaces at the bases for responsibilities (N, K), Eqs (50-52)."""
-        total = _Sums(bases, self.manifolds)
+        total = Sums(bases, self.manifolds)
         for rows in self._blocks(h.shape[1]):
             total.add(np.ascontiguousarray(h[rows].T), self._tangents(rows, bases))
         return total.moments()
@@ -289,52 +290,3 @@ class TangentSamples:
             parts.append(Components(np.zeros(covariance.shape[:-1]), covariance))
         priors = np.maximum(priors, np.finfo(float).tiny)
         return Charted(Mixture(priors, tuple(parts)), tuple(bases))
-
-
-class _Sums:
-    """Weighted sums over blocks of samples, per group of frames."""
-
-    def __init__(self, bases: Sequence[np.ndarray], manifolds: Sequence[Manifold]):
-        K = bases[0].shape[1]
-        self.weight = np.zeros(K)
-        self.first = [np.zeros((len(b), K, m.dim)) for b, m in zip(bases, manifolds, strict=True)]
-        self.second = [
-            np.zeros((len(b), K, m.dim, m.dim)) for b, m in zip(bases, manifolds, strict=True)
-        ]
-
-    def add(self, h: np.ndarray, tangents: Sequence[np.ndarray]) -> None:
-        """Add a block with responsibilities (K, n) and tangent vectors (G, K, dim, n)."""
-        self.weight += h.sum(1)
-        for first, second, x in zip(self.first, self.second, tangents, strict=True):
-            weighted = x * h[:, None, :]
-            first += weighted.sum(-1)
-            second += weighted @ x.mT
-
-    def moments(self) -> Moments:
-        """Means and scatters about them."""
-        weight = np.maximum(self.weight, np.finfo(float).tiny)[:, None]
-        means = [first / weight for first in self.first]
-        scatters = [
-            second / weight[..., None] - mean[..., :, None] * mean[..., None, :]
-            for second, mean in zip(self.second, means, strict=True)
-        ]
-        return Moments(self.weight, tuple(means), tuple(scatters))
-
-
-def _whitening(covariance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Inverse Cholesky factors (G, K, dim, dim), and log densities (K, 1) at zero."""
-    W = np.linalg.inv(cholesky(covariance, "covariance of a component"))
-    log_det = np.log(np.diagonal(W, axis1=-2, axis2=-1)).sum((0, -1))
-    G, _, dim, _ = W.shape
-    return W, (log_det - 0.5 * G * dim * LOG_2PI)[:, None]
-
-
-def _log_densities(
-    tangents: Sequence[np.ndarray], whitening: Sequence[tuple[np.ndarray, np.ndarray]]
-) -> np.ndarray:
-    """Log densities (K, n) of tangent vectors, all frames together."""
-    found: np.ndarray = np.zeros(())
-    for x, (W, at_zero) in zip(tangents, whitening, strict=True):
-        z = W @ x
-        found = found + at_zero - 0.5 * np.einsum("gkdn,gkdn->kn", z, z)
-    return found

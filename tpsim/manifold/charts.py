@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tpsim.manifold.orientations import Rotations
 from tpsim.manifold.spaces import Euclidean, Space
-from tpsim.manifold.spheres import Rotations, Sphere
+from tpsim.manifold.sphere import Sphere
 
 
 class Block(NamedTuple):

@@ -15,8 +15,10 @@ from tpsim.checks import choice, dimensions, finite_array, instance, several
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.manifold.charts import Charts
+from tpsim.manifold.orientations import Rotations
 from tpsim.manifold.spaces import Circle, Euclidean, Moves, Space
-from tpsim.manifold.spheres import Rotations, Sphere, not_orthonormal
+from tpsim.manifold.sphere import Sphere
+from tpsim.manifold.unit import not_orthonormal
 
 
 class Factors(NamedTuple):

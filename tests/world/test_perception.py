@@ -12,8 +12,10 @@ from tpsim.pose import Pose
 from tpsim.robot.objects import Objects
 from tpsim.robot.views.sites import Object, Site
 from tpsim.world.perception import Camera, Perception
+from tpsim.world.trial import Channels, Trial
 
 ROWS = {"cup": 0, "box": 1}
+RNG = np.random.default_rng(8)
 
 
 def placed(x=0.0):
@@ -130,3 +132,26 @@ def test_precision_of_views_fades_by_how_they_move_with_their_objects():
     )
     exact = product.at(robot.at(robot.home, objects=sure)).precision
     np.testing.assert_allclose(exact, 100 * np.eye(8))
+
+
+def test_a_trial_is_remembered_with_its_objects_as_all_pictures_show_them():
+    """Hidden for half of the time, the cup is known from the other half; the robot is as it was."""
+    time = np.linspace(0.0, 3.0, 301)
+    where, turned = (
+        np.array([0.4, -0.2, 0.1]),
+        rotation.to_quaternion(rotation.exp([0.0, 0.0, 1.0])),
+    )
+    arrays = {
+        "time": time,
+        "q": RNG.normal(size=(301, 2)),
+        "cup_position": np.tile(where, (301, 1)),
+        "cup_quaternion": np.tile(turned, (301, 1)),
+    }
+    trial = Trial(arrays, channels=Channels(objects=("cup",)))
+    for hidden in ((), (("cup", 0.5, 2.0),)):
+        found = Perception(occluded=hidden, seed=1).remembered(trial)
+        assert found["q"] is trial["q"]
+        assert 1e-5 < np.linalg.norm(found["cup_position"] - where, axis=1).max() < 0.004
+        assert 1 - np.abs(found["cup_quaternion"] @ turned).min() < 2e-4
+    with pytest.raises(ArgumentError, match="'cup' was never seen"):
+        Perception(occluded=(("cup", -9.0, 9.0),)).remembered(trial)

@@ -30,8 +30,10 @@ class Perception:
         Pictures per second [Hz].
     latency : float
         Time from a picture until what is on it is known [s].
-    position_noise, angle_noise : float
-        How far a sighting is off, and by which angle it is turned, root mean square [m], [rad].
+    position_noise : float
+        How far a sighting is off, root mean square [m].
+    angle_noise : float
+        By which angle it is turned, root mean square [rad].
     wander : (float, float)
         Standard deviation of what objects are believed to move and turn in one second if nobody
         looks [m/s^0.5], [rad/s^0.5].

@@ -19,6 +19,9 @@ from tpsim.world.impedance import Impedance
 Progress = Callable[[State, float], tuple[float, float]]
 """Time within the movement [s], and how much of it passes per second, at a state and a time."""
 
+PULL = 0.2
+"""Share of the motors' torque that springs may ask for where progress is not the clock's."""
+
 PERIOD = 0.03
 """Time [s] between two adaptations of the mixture to the frames: as often as a camera looks."""
 
@@ -86,6 +89,10 @@ class TimedIntervention(RenewedImpedance):
         pace = np.sqrt(stiffness / 2) * (modes.T @ step.mean)
         speed = dtrtrs(L, V @ pace, lower=1, trans=1)[0]
         excess = float((np.abs(speed) / state.robot.velocity_limit).max())
+        if self.progress is not None:
+            # Who holds the hand would else be let go by a spring that is wound up.
+            pull = np.abs(now.stiffness @ step.mean) / state.robot.torque_limit
+            excess = max(excess, float(pull.max()) / PULL)
         return now if excess <= 1 else now.weaker(excess)
 
     def _step(self, state: State, time: float) -> tuple[Gaussian, np.ndarray | None]:

@@ -15,6 +15,7 @@ from tpsim.task.task import Situation, demonstration
 from tpsim.task.verbs import learn, perform
 from tpsim.tasks.serve import scene, study, teacher
 from tpsim.tasks.serve.measures import Served, success
+from tpsim.tasks.serve.progress import LEAD
 from tpsim.tasks.serve.task import GOALS, VIEWS, Serve
 from tpsim.world.people.hold import Hold
 from tpsim.world.teaching import demonstrate
@@ -136,6 +137,25 @@ def test_figures_of_held_hands(performed):
         "a person holds the hand for 5 s",
     ]
     assert {"cup", "sugar"} <= set(shown[0].objects)
+
+
+def test_progress_is_seen_in_both_hands_and_stands_still_with_them(performed):
+    condition, trial, models = performed
+    controller = replace(TASK, progress="state").controller(TASK.stage, models, condition.situation)
+    places = {path.name: path.first for path in condition.situation.objects}
+
+    def seen(k, time):
+        state = TASK.stage.robot.at(trial["q"][k], trial["dq"][k], places)
+        return controller.progress(state, time)
+
+    ticks, held = range(0, 1000, 3), range(1000, 1500, 3)
+    followed = np.array([seen(k, trial.time[k])[0] for k in ticks])
+    # As the clock says, but for how far hands stay behind and the movement is asked for ahead.
+    assert np.abs(followed - LEAD - trial.time[ticks]).max() < 1.0
+    # Both hands are seen where they were: at most the durations' prior drives on, and not far.
+    assert np.linalg.norm(trial["dq"][999]) > 0.05
+    still = [seen(999, 0.01 * k)[0] for k in held]
+    assert still[-1] - still[0] < 1.0
 
 
 def test_views_see_the_things_where_they_are(shown):

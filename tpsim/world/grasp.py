@@ -258,22 +258,17 @@ class _Hand:
         thing = Pose(data.xmat[self._thing].reshape(3, 3), data.xpos[self._thing])
         over = Pose(data.xmat[self._target].reshape(3, 3), data.xpos[self._target])
         if holds:
-            seen, within = over.inverse @ thing, grasp.opens
-            near = _near(seen, np.array(grasp.at_target), within)
-            self.away = self.away or self._far(seen, np.array(grasp.at_target))
+            seen, place, within = over.inverse @ thing, np.array(grasp.at_target), grasp.opens
         else:
-            seen, within = thing.inverse @ hand, grasp.closes
-            near = _near(seen, np.zeros(3), within)
-            self.away = self.away or self._far(seen, np.zeros(3))
+            seen, place, within = thing.inverse @ hand, np.zeros(3), grasp.closes
+        near = _near(seen, place, within)
+        self.away = self.away or bool(np.linalg.norm(seen.position - place) > grasp.away)
         slow = self._slow(hand, period)
         self.waited = self.waited + period if near and slow and self.away else 0.0
         if self.waited >= grasp.dwell:
             data.eq_active[self._weld] = not holds
             # What was just taken is still at its target, what was just left is still in the hand.
             self.waited, self.away = 0.0, False
-
-    def _far(self, seen: Pose, place: np.ndarray) -> bool:
-        return bool(np.linalg.norm(seen.position - place) > self._grasp.away)
 
     def _slow(self, hand: Pose, period: float) -> bool:
         now = np.concatenate((hand.rotation.ravel(), hand.position))

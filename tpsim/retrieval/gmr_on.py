@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,9 +14,15 @@ from tpsim.errors import ArgumentError
 from tpsim.gaussian import Dimensions, Gaussian, add_ridge
 from tpsim.learning.gmm import GMM
 from tpsim.manifold.gaussian import RiemannianGaussian, carried, split
-from tpsim.manifold.manifold import Manifold
+from tpsim.manifold.manifold import Factors, Manifold
 from tpsim.manifold.product import mixed
 from tpsim.retrieval.gmr import Regression
+
+
+@lru_cache(maxsize=64)
+def _split_before(manifold: Manifold, given: tuple[int, ...]) -> tuple[Factors, Factors]:
+    """Remembered, since regressions are made in control loops."""
+    return split(manifold, given, None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +57,10 @@ class RiemannianRegression(Regression):
         """Split a mixture in the columns given and those to predict, Eqs 12, 14, 15."""
         gaussians = gmm.gaussians
         assert isinstance(gaussians, RiemannianGaussian)
-        inputs, outputs = split(gaussians.manifold, given, of)
+        if of is None and isinstance(given, tuple) and all(type(i) is int for i in given):
+            inputs, outputs = _split_before(gaussians.manifold, given)
+        else:
+            inputs, outputs = split(gaussians.manifold, given, of)
         rows = np.concatenate([inputs.rows, outputs.rows])
         tangent = Gaussian.trusted(
             np.zeros((*gaussians.mean.shape[:-1], len(rows))),

@@ -16,7 +16,7 @@ from tpsim.film import overlay
 from tpsim.film.camera import lit, viewpoint
 from tpsim.film.clip import Clip
 from tpsim.robot.home import put
-from tpsim.world.grasp import put_object
+from tpsim.world.recorded_place import put_object
 
 _INSET = 0.36
 """Side of the inset, as a share of the picture's height."""

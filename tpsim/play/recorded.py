@@ -12,7 +12,7 @@ from tpsim.play.stage import Picture, Stage
 from tpsim.robot.home import put
 from tpsim.study.files.about import Performed, read_about
 from tpsim.study.files.run import Run
-from tpsim.world.grasp import put_object
+from tpsim.world.recorded_place import put_object
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
 

@@ -17,8 +17,9 @@ install: .venv/installed
 demo: install
 	$(BIN)/tpsim run cup-and-sugar --situations 2
 
+# Two processes; a file's tests stay together, since they share what is taught.
 test: install lint wheel
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 # What a user adds, through the installed wheel: nothing of the checkout is on its path.
 wheel: install

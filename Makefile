@@ -5,7 +5,7 @@ BIN := .venv/bin
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: install demo test docs site lint wheel architecture clean
+.PHONY: install demo test browser docs site lint wheel architecture clean
 
 install: .venv/installed
 
@@ -40,6 +40,10 @@ docs: .venv/documented
 # The site in a browser: links, console, a phone's width, dark mode, search.
 site: docs
 	$(BIN)/python -m pytest -m site tests/docs
+
+# The playground in a real browser, which is dragged, taught and pushed.
+browser: install
+	$(BIN)/python -m pytest -m browser tests/play
 
 .venv/documented: .venv/installed
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"

@@ -10,7 +10,10 @@ from tpsim import rotation
 pytest.importorskip("viser", reason="viser is not installed: pip install 'tpsim[play]'")
 sync_api = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no chromium: apt install it")
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.skipif(CHROMIUM is None, reason="there is no chromium: apt install it"),
+]
 
 FLAGS = [
     "--headless",

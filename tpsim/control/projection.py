@@ -199,7 +199,7 @@ def nullspace_relative(
 
     As printed it comes to rest where N J~⁺ e = 0, which is not where the error e = b_O - x~ is
     least, that is N J~ᵀ e = 0. With ``bend`` the lift is a Newton step of the least error,
-    N J~ᵀ (J~ N J~ᵀ + bend |e| I)⁻¹ instead of N J~⁺, and rests where it should for any bend.
+    N J~ᵀ (J~ N J~ᵀ + bend ‖e‖ I)⁻¹ instead of N J~⁺, and rests where it should for any bend.
 
     Parameters
     ----------

@@ -5,6 +5,7 @@ operations on arrays whose leading axes broadcast. Values are unchecked here: th
 :class:`tpsim.manifold.manifold.Manifold`.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -20,7 +21,7 @@ FARTHEST = 1e6
 Moves = Literal["points", "vectors", "inputs"]
 
 
-class Space(Part):
+class Space(Part, ABC):
     """One factor of a manifold.
 
     Attributes
@@ -33,53 +34,53 @@ class Space(Part):
     dim: int
     flat: ClassVar[bool] = False
 
+    @abstractmethod
     def valid(self, name: str, y: np.ndarray) -> np.ndarray:
         """Points brought onto the manifold, or an ArgumentError."""
-        raise NotImplementedError
 
+    @abstractmethod
     def log(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Tangent vector (..., dim) at x that leads to y."""
-        raise NotImplementedError
 
     def log_of_columns(self, x: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
         """Tangent vectors (G, K, dim, N) at x (G, K, width) to many points (G, width, N)."""
         out[...] = self.log(x[..., None, :], y.mT[..., None, :, :]).mT
 
+    @abstractmethod
     def exp(self, x: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Point (..., width) to which a tangent vector at x leads."""
-        raise NotImplementedError
 
+    @abstractmethod
     def transport(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Parallel transport (..., dim, dim) of coordinates at x to those at y."""
-        raise NotImplementedError
 
+    @abstractmethod
     def slope(self, x: np.ndarray, y: np.ndarray, v: np.ndarray) -> np.ndarray:
         """How ``log_y`` of a point changes as it moves from x: (..., dim, dim), v = log_x(y).
 
         Transport from x to y, stretched across the way by angle over sine.
         """
-        raise NotImplementedError
 
     def seen(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Tangent vectors at x that lead to y, and :meth:`slope`."""
         v = self.log(x, y)
         return v, self.slope(x, y, v)
 
+    @abstractmethod
     def lifted(self, A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What a frame of the plane or of space does to the columns: (..., w, w) and (..., w)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def turned(self, A: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Tangent map (..., dim, dim), from x to its image y, of a map of the columns."""
-        raise NotImplementedError
 
+    @abstractmethod
     def wrong(self, A: np.ndarray, b: np.ndarray) -> bool:
         """Whether a map of the columns leads off the manifold."""
-        raise NotImplementedError
 
+    @abstractmethod
     def centre(self, y: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Point (..., width) near the mean of points (N, width), with weights (..., N)."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)

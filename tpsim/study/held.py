@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from tpsim.study.measure import Measure
 from tpsim.study.record import Record, Records
 
 SUDDEN = 0.1
@@ -46,3 +47,38 @@ def held_ratio(
         return float(max(one / other for one, other in worst))
 
     return ratio
+
+
+def held_measures(
+    controller: str, title: str, *ends: Callable[[Record], np.ndarray]
+) -> tuple[Measure, Measure]:
+    """``held_ratio`` and ``release_jump_percent`` of a controller.
+
+    Parameters
+    ----------
+    controller : str
+        ``"by state"``, of which 1.3 times and 20 % of a motor's torque are asked at most; the
+        figures of another one end in its name, and are there to compare.
+    title : str
+        What reports call the ratio.
+    ends : callable
+        As for :func:`held_ratio`.
+    """
+    suffix = "" if controller == "by state" else f"_{controller.replace(' ', '_')}"
+    return (
+        Measure(
+            f"held_ratio{suffix}",
+            whole=held_ratio(controller, *ends),
+            limit=None if suffix else 1.3,
+            title=f"{title}, {controller}",
+        ),
+        Measure(
+            f"release_jump{suffix}_percent",
+            of=release_jump,
+            unit="%",
+            label="held",
+            controller=controller,
+            limit=None if suffix else 20.0,
+            title=f"Largest jump of torque at letting go, of the motors' limits, {controller}",
+        ),
+    )

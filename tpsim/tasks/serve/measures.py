@@ -8,7 +8,7 @@ import numpy as np
 from tpsim import rotation
 from tpsim.pose import Pose
 from tpsim.study import health
-from tpsim.study.held import held_ratio, release_jump
+from tpsim.study.held import held_measures
 from tpsim.study.measure import Measure, mean
 from tpsim.study.record import Record
 from tpsim.tasks.serve import scene
@@ -186,21 +186,7 @@ def _after_holding() -> tuple[Measure, ...]:
                 at_least=True,
                 title=f"The same, held for 5 s, {name}",
             ),
-            Measure(
-                f"held_ratio{suffix}",
-                whole=held_ratio(name, end),
-                limit=1.3 if limited else None,
-                title=f"Pour and end after being held, beside unheld, worst, {name}",
-            ),
-            Measure(
-                f"release_jump{suffix}_percent",
-                of=release_jump,
-                unit="%",
-                label="held",
-                controller=name,
-                limit=20.0 if limited else None,
-                title=f"Largest jump of torque at letting go, of the motors' limits, {name}",
-            ),
+            *held_measures(name, "Pour and end after being held, beside unheld, worst", end),
         ]
     return tuple(found)
 

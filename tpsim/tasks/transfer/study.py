@@ -11,7 +11,7 @@ from tpsim.robot.views.view import View
 from tpsim.study import health
 from tpsim.study.condition import Condition
 from tpsim.study.expert import fixed_gains
-from tpsim.study.held import held_ratio, release_jump
+from tpsim.study.held import held_measures
 from tpsim.study.measure import Measure
 from tpsim.study.record import Record, Records
 from tpsim.study.study import ControllerFactory, Lab, Phases, Plan, Study
@@ -170,27 +170,12 @@ def _end(name: str, labels: str | Sequence[str], title: str) -> tuple[Measure, M
 
 def _held() -> tuple[Measure, ...]:
     """What comes of being held, where state and where the clock says how far the movement is."""
-    found = []
     ends = [at_the_end(SEEN["end", part]) for part in ("position", "orientation")]
-    for name, suffix in (("by state", ""), ("by clock", "_by_clock")):
-        found += [
-            Measure(
-                f"held_ratio{suffix}",
-                whole=held_ratio(name, *ends),
-                limit=None if suffix else 1.3,
-                title=f"End after being held for {HOLD:g} s, beside unheld, {name}",
-            ),
-            Measure(
-                f"release_jump{suffix}_percent",
-                of=release_jump,
-                unit="%",
-                label="held",
-                controller=name,
-                limit=None if suffix else 20.0,
-                title=f"Largest jump of torque at letting go, of the motors' limits, {name}",
-            ),
-        ]
-    return tuple(found)
+    title = f"End after being held for {HOLD:g} s, beside unheld"
+    return (
+        *held_measures("by state", title, *ends),
+        *held_measures("by clock", title, *ends),
+    )
 
 
 def unreachable(records: Records) -> int:

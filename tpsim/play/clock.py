@@ -19,7 +19,7 @@ TICK = 0.004
 BATCH = 0.02
 """Simulated time [s] that is computed in one go, at most."""
 
-PATIENCE = 0.1
+PATIENCE = 0.2
 """Time [s] by which the simulation may be late and still catch up."""
 
 BREATH = 0.0005

@@ -86,6 +86,8 @@ def place(wrong: np.ndarray) -> str:
 
 def array_of(name: str, value: object) -> NDArray[Any]:
     """Array of any type, or an ArgumentError where the value has no shape."""
+    if isinstance(value, bytes | bytearray):
+        raise ArgumentError(f"{name} holds bytes, no numbers; decode and convert them first")
     try:
         return np.asarray(value)
     except Exception as error:  # whatever the conversion of a foreign object raises
@@ -104,8 +106,6 @@ def _floats(name: str, value: object) -> Floats:
             raise ArgumentError(
                 f"{name} has masked entries, the first {where}; fill or remove them first"
             )
-    if isinstance(value, bytes | bytearray):
-        raise ArgumentError(f"{name} holds bytes, no numbers; decode and convert them first")
     raw = array_of(name, value)
     if raw.dtype.kind in "fiub":
         return raw.astype(np.float64)

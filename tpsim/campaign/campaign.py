@@ -7,7 +7,7 @@ from math import prod
 from pathlib import Path
 from typing import Literal
 
-from tpsim.border import Count, Duration, SeedNumber, checked
+from tpsim.border import Count, Duration, SeedNumber, border, checked
 from tpsim.campaign.people import Leads, Levels, Pushes, Span
 from tpsim.errors import ArgumentError
 from tpsim.study.files.checked import from_json
@@ -152,6 +152,7 @@ class Campaign:
         """How often is taught and learned: by every teacher, for each value of such sweeps."""
         return self.teachers * prod(len(s.values) for s in self.learned_sweeps.values())
 
+    @border
     def check(self, study: Study) -> None:
         """Look whether a study can do what is asked.
 

@@ -113,8 +113,10 @@ class Unrolled:
         plane : (T, dim)
         """
         v = finite_array("plane", plane)
-        if v.shape != self.plane.shape or np.abs(v).max() > LARGEST:
+        if v.shape != self.plane.shape:
             raise ArgumentError(f"plane has shape {v.shape}; give {self.plane.shape}")
+        if np.abs(v).max() > LARGEST:
+            raise ArgumentError(f"plane reaches {np.abs(v).max():.1e}; give {LARGEST:.0e} at most")
         v = (self.axes @ (v - self.plane)[..., None])[..., 0]
         return self.manifold.work.exp(self.points, v)
 
@@ -205,6 +207,10 @@ class ManifoldPlan:
         dim, speed = self.path.manifold.dim, finite_array("velocity", velocity)
         if speed.shape != (dim,):
             raise ArgumentError(f"velocity has shape {speed.shape}; give ({dim},)")
+        if np.abs(speed).max() > LARGEST:
+            raise ArgumentError(
+                f"velocity reaches {np.abs(speed).max():.1e}; give {LARGEST:.0e} at most"
+            )
         return speed
 
 

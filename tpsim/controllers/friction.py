@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.linalg.lapack import dgesv, dsyevd, dtrtrs
 
+from tpsim.errors import ArgumentError
 from tpsim.robot.state import State
 
 LOOSE = 0.03
@@ -11,6 +12,8 @@ LOOSE = 0.03
 
 def felt_mass(state: State) -> float:
     """Mass [kg] that a person feels at a hand: mean over its principal directions and hands."""
+    if not state.robot.hands:
+        raise ArgumentError("the robot has no hand; friction is what a person feels at one")
     M, masses = np.linalg.inv(state.mass), []
     for site in state.robot.hands.values():
         J = state.jacobian(site)[:3]

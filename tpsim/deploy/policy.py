@@ -176,9 +176,15 @@ class Policy:
         ------
         ArgumentError
             Wrong shapes, what is not finite, a missing object, or time that runs backwards.
+        RecordingError
+            If the policy was damaged so that its torque is not finite.
         """
         state, now = self._follow(q, dq, objects, time)
         wanted, limit = self._drive.torque(now, state), self.robot.torque_limit
+        if not np.isfinite(wanted).all():
+            raise RecordingError(
+                "the policy has no finite torque here: its masses or its model are damaged"
+            )
         return np.minimum(np.maximum(wanted, -limit), limit)
 
     @one_thread()

@@ -238,7 +238,8 @@ def fit_tp_gmm(
         c = max((D + 1) / N (3 %)^2, (0.1 %)^2); see :mod:`tpsim.learning.regularisation`. The
         usual 1e-8 lets a component shrink onto a few samples.
     tolerance : float
-        EM ends when the mean log-likelihood of a sample gains less than this [nats].
+        EM ends when the mean log-likelihood of a sample gains less than this [nats]; -inf lets it
+        take all iterations.
     max_iterations : int
         EM ends after this many iterations in any case.
     restarts : int

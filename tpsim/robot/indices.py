@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tpsim.border import checked
 from tpsim.checks import several, shown
 from tpsim.errors import ArgumentError
 
@@ -23,6 +24,9 @@ class Chain:
     """
 
     site: str
+
+    def __post_init__(self) -> None:
+        checked(self)
 
 
 Names = str | tuple[str, ...] | Chain

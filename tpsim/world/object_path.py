@@ -53,7 +53,7 @@ class ObjectPath:
 
     def __post_init__(self) -> None:
         read("name", self.name, str)
-        label = f"object '{self.name}': "
+        label = f"object {shown(self.name)}: "
         positions = finite_array(f"{label}positions", self.positions)
         times = finite_array(f"{label}times", self.times)
         given = (UPRIGHT,) * times.size if self.quaternions is None else self.quaternions
@@ -62,12 +62,12 @@ class ObjectPath:
         shapes = times.shape, positions.shape, turned.shape
         if not count or shapes != ((count,), (count, 3), (count, 4)):
             raise ArgumentError(
-                f"object '{self.name}' has times, positions and quaternions of shapes {shapes}; "
-                "give (V,), (V, 3) and (V, 4)"
+                f"object {shown(self.name)} has times, positions and quaternions of shapes "
+                f"{shapes}; give (V,), (V, 3) and (V, 4)"
             )
         if (np.diff(times) < 0).any() or not np.linalg.norm(turned, axis=1).all():
             raise ArgumentError(
-                f"object '{self.name}' has quaternions of which one is zero, or "
+                f"object {shown(self.name)} has quaternions of which one is zero, or "
                 f"times {shown(times)} that decrease"
             )
         object.__setattr__(self, "times", tuple(times.tolist()))
@@ -131,7 +131,7 @@ class MovingObjects:
         names = list(simulation.objects)
         if unknown := [path.name for path in paths if path.name not in names]:
             raise ArgumentError(
-                f"no movable object '{unknown[0]}' in the scene; it has {sorted(names)}"
+                f"no movable object {shown(unknown[0])} in the scene; it has {sorted(names)}"
             )
         h, model, data = simulation.timestep, simulation.model, simulation.data
         last = max((path.times[-1] for path in paths), default=0.0)

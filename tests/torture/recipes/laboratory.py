@@ -521,7 +521,9 @@ def _control(book: Book) -> None:
         damping=1.0,
         period=0.008,
     )
-    add("lab.Aim", lab.Aim, view=VIEW, gain=100.0, reference=np.ones(3), damping=1.0)
+    # A class may be called, as a function is.
+    add("lab.Aim", lab.Aim, view=VIEW, gain=100.0, reference=np.ones(3), damping=1.0,
+        takes={"reference": {"class"}})  # fmt: skip
     add(
         "lab.OperationalSpace",
         lab.OperationalSpace,

@@ -215,7 +215,7 @@ def _manifolds(book: Book) -> None:
     add("ManifoldPlan", tp.ManifoldPlan, path=plan.path, feedback=plan.feedback)
     add("ManifoldPlan.acceleration", plan.acceleration, words=("point",), step=1, point=two[0],
         velocity=np.zeros(6))  # fmt: skip
-    add("ManifoldPlan.rollout", plan.rollout, words=("point", "initial"), point=two[0],
+    add("ManifoldPlan.rollout", plan.rollout, words=("point", "initial", "velocity"), point=two[0],
         velocity=np.zeros(6))  # fmt: skip
 
 
@@ -252,7 +252,7 @@ def _learning(book: Book) -> None:
         time=TIME,
         rng=0,
         **few,
-        takes={"time": DATES, "start": {"*"}},
+        takes={"time": DATES, "start": {"*"}, "tolerance": {"-inf"}},
     )
     add(
         "fit_gmm",
@@ -283,6 +283,7 @@ def _learning(book: Book) -> None:
         restarts=1,
         rng=0,
         **few,
+        takes={"tolerance": {"-inf"}},
     )
     add(
         "fit_tp_gmm",
@@ -349,6 +350,7 @@ def _learning(book: Book) -> None:
         components=2,
         rng=0,
         **few,
+        takes={"tolerance": {"-inf"}},
         **{PGMM_PARAMETERS: np.array([[0.0, 1.0], [1.0, 0.2], [0.5, 0.7]])},
     )
     add(
@@ -520,6 +522,7 @@ def _hidden(book: Book) -> None:
             ridge=1e-4,
             rng=0,
             **few,
+            takes={"tolerance": {"-inf"}},
         )
         add(
             name,

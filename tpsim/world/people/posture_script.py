@@ -16,6 +16,9 @@ from tpsim.world.people.script import Variation, steps_in, wandering
 FADE = 0.5
 """Time [s] over which a hand begins to wander."""
 
+FASTEST = 1e3
+"""Speed [m/s], [rad/s] beyond which nothing is led by hand."""
+
 
 @border
 def through(times: ArrayLike, postures: ArrayLike, timestep: Positive) -> np.ndarray:
@@ -74,6 +77,11 @@ def hand_path(
         p.append(pose.position)
         twist.append(state.twist(site))
     velocity = np.array(twist)
+    if np.abs(velocity).max() > FASTEST:
+        raise ArgumentError(
+            f"timestep is {timestep:g} s: so soon the hand would move at "
+            f"{np.abs(velocity).max():.1e} m/s or rad/s; give at most {FASTEST:.0e}"
+        )
     steps = len(p)
     fade = np.minimum(timestep / FADE * np.arange(steps), 1.0)[:, None]
     moved, turned = wandering(velocity, timestep, rng, variation, care)

@@ -116,6 +116,8 @@ def script(
             f"via poses have shapes {rotations.shape} and {positions.shape}; "
             "give rotations (V, 3, 3) and positions (V, 3) with V of at least 2"
         )
+    if not np.allclose(rotations @ rotations.mT, np.eye(3), atol=1e-6):
+        raise ArgumentError("rotations are no rotation matrices (V, 3, 3)")
     shares = 1 + variation.pace * rng.uniform(-1, 1, len(positions) - 1)
     via_times = np.concatenate([[0], np.cumsum(shares) / shares.sum()])
     steps = steps_in("seconds", seconds, timestep)

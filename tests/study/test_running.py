@@ -8,6 +8,7 @@ import pytest
 
 from tpsim import TPGMM, paths
 from tpsim.errors import ArgumentError, RecordingError, SimulationError
+from tpsim.robot.views.sites import Site
 from tpsim.study import figures, running, teaching, trying
 from tpsim.study.condition import Condition, Lead
 from tpsim.study.executor import perform_condition
@@ -16,8 +17,8 @@ from tpsim.study.measure import Measure
 from tpsim.study.metrics import push_interval
 from tpsim.study.record import Records
 from tpsim.study.study import Plan
-from tpsim.task.task import Situation, draw_situation
-from tpsim.task.verbs import learn, perform
+from tpsim.task.task import Goal, Situation, draw_situation
+from tpsim.task.verbs import learn, perform, show_all
 from tpsim.tasks.cup_and_sugar.study import cup, cup_and_sugar, sugar
 
 
@@ -149,12 +150,21 @@ def test_taught_demonstrations_are_learned_from_their_folder(toy, tmp_path, caps
 
 def test_side_by_side_teaching_gives_the_same_bits(toy):
     task = replace(toy.task)
-    both = {"one": task.behaviours()["bring"], "two": task.behaviours()["bring"]}
+    shown = task.behaviours()["bring"]
+    trials = show_all(task, 3, 4)["bring"].trials
+    ways = [np.linalg.norm(trial["hand_position"], axis=1).max() for trial in trials]
+    goal = Goal(Site("tip").position, float(np.median(ways)))  # which one of three misses
+    both = {"one": shown, "two": replace(shown, goals={"near": goal})}
     object.__setattr__(task, "behaviours", lambda: both)
     study = replace(toy, task=task)
-    alone, beside = (teaching.taught_all(study, 1, 4, workers) for workers in (1, 2))
+    alone, beside = (teaching.taught_all(study, 3, 4, workers) for workers in (1, 2))
     assert list(alone) == list(beside) == ["one", "two"]
-    np.testing.assert_array_equal(alone["two"].trials[0]["q"], beside["two"].trials[0]["q"])
+    assert alone["two"].refusals["near"] >= 1
+    for name, found in alone.items():
+        assert found.refusals == beside[name].refusals
+        for one, other in zip(found.trials, beside[name].trials, strict=True):
+            assert one.about == other.about
+            np.testing.assert_array_equal(one["q"], other["q"])
 
 
 def test_a_push_yields_and_the_task_is_kept(pushed):

@@ -94,7 +94,10 @@ def test_the_film_shows_teaching_the_first_performance_and_the_worst_push(record
     study = Study(toy.task, [LARGEST, RMS])
     lab = Lab(study, {}, {"bring": [records[0].trial]})
     demonstration, unpushed, pushed = clips.clips(lab, records)
-    assert demonstration.title == "Demonstration: bring" and demonstration.speed == 2
+    assert (
+        demonstration.title == "Demonstration: bring"
+        and demonstration.speed == clips.TEACHING_SPEED
+    )
     assert (unpushed.title, pushed.title) == ("Performance: unpushed", "Performance: pushed")
     # Under the learned controller the gaps of pushed trials are 2 and 6: over limits 2 and 1.
     assert pushed.subtitle == "the worst trial: gap_rms 6 mm"

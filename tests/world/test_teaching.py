@@ -11,9 +11,12 @@ from tpsim.tasks.cup_and_sugar.hands import Hands
 from tpsim.world.people.guide import Grip
 from tpsim.world.people.script import Variation, minimum_jerk, script, straight
 from tpsim.world.reach import reach
-from tpsim.world.teaching import Lesson, demonstrate, teach
+from tpsim.world.teaching import Attempt, Course, Lesson, Refusal, demonstrate, teach
+from tpsim.world.trial import Trial
 
 SITES = {"left_hand": "left_gripper", "cup": "cup"}
+
+TRIAL = Trial({"time": np.zeros(1)})
 
 STILL = Variation(0, 0, 0, 0, pace=0, warp=0)
 
@@ -150,3 +153,18 @@ def test_via_poses_are_level_unless_height_is_what_matters(world):
 def test_variations_are_checked(fields):
     with pytest.raises(ArgumentError, match="variation"):
         Variation(**fields)
+
+
+def test_attempts_that_are_wanted_at_once_are_those_that_one_after_the_other_come_to():
+    rng = np.random.default_rng(3)
+    for _ in range(50):
+        count, good = int(rng.integers(1, 7)), rng.random(60) < 0.6
+        good[9 * count :] = True  # before it is too many
+        course, done = Course(count), 0
+        while wanted := course.wanted:
+            assert list(wanted) == list(range(done, done + len(wanted)))
+            for k in wanted:
+                refusal = None if good[k] else Refusal("missed", "missed")
+                course.add(Attempt(TRIAL, refusal))
+            done += len(wanted)
+        assert done == course.shown.attempts == np.flatnonzero(good)[count - 1] + 1

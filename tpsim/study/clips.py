@@ -10,7 +10,7 @@ from tpsim.study.record import Record, Records
 from tpsim.study.study import Lab
 from tpsim.world.trial import Trial
 
-TEACHING_SPEED = 2.0
+TEACHING_SPEED = 3.0
 """How much faster than they were demonstrations are shown."""
 
 

@@ -1,8 +1,7 @@
 """The verbs teach and learn of a study: demonstrations and models, in folders of their own."""
 
 from collections import Counter
-from collections.abc import Mapping
-from functools import partial
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from tpsim import paths
@@ -16,10 +15,10 @@ from tpsim.study.study import Study
 from tpsim.study.teaching_files import add_demonstrations, check_place, read_demonstrations
 from tpsim.study.workers import Death, Workers
 from tpsim.task.task import Models, Task
-from tpsim.task.verbs import Taught, show_all
+from tpsim.task.verbs import Taught, show_once
 from tpsim.task.verbs import learn as learn_behaviours
 from tpsim.whole import check_free, numbered_folder, whole_folder
-from tpsim.world.teaching import Shown
+from tpsim.world.teaching import Attempt, Course, Shown
 from tpsim.world.threads import one_thread
 
 TEXT = (
@@ -160,35 +159,37 @@ def section(shown: Mapping[str, Shown]) -> Section:
 
 
 def taught_all(study: Study, count: int, seed: int, workers: int = 1) -> dict[str, Shown]:
-    """Teach all behaviours, side by side with several workers; their number changes no bit."""
-    behaviours = list(study.task.behaviours())
-    if workers == 1 or len(behaviours) == 1:
-        return {behaviour: _taught(study.task, count, seed, behaviour) for behaviour in behaviours}
-    with Workers(min(workers, len(behaviours)), _teacher, (study.task, count, seed)) as pool:
-        return {
-            name: _whole(name, found)
-            for name, found in zip(behaviours, pool.map(behaviours), strict=True)
-        }
+    """Teach all behaviours, attempts side by side with several workers: no bit is another then.
+
+    Standard error says how every attempt ends.
+    """
+    courses = {name: _course(name, count) for name in study.task.behaviours()}
+    workers = min(workers, count * len(courses)) or 1
+    with Workers(workers, _teacher, (study.task, seed)) as pool:
+        while jobs := [(name, k) for name, course in courses.items() for k in course.wanted]:
+            for (name, attempt), found in zip(jobs, pool.map(jobs), strict=True):
+                if isinstance(found, Death):
+                    raise SimulationError(f"attempt {attempt + 1} at '{name}': {found}")
+                courses[name].add(found)
+    return {name: course.shown for name, course in courses.items()}
 
 
-def _whole(behaviour: str, found: Shown | Death) -> Shown:
-    if isinstance(found, Death):
-        raise SimulationError(f"'{behaviour}' was not taught: {found}")
-    return found
-
-
-def _teacher(given: tuple[Task, int, int]) -> "partial[Shown]":
-    return partial(_taught, *given)
-
-
-def _taught(task: Task, count: int, seed: int, behaviour: str) -> Shown:
-    """Demonstrations of one behaviour; standard error says how every attempt ends."""
+def _course(behaviour: str, count: int) -> Course:
     good = 0
     say(f"teaching {behaviour}: {count} demonstrations")
 
-    def tell(name: str, attempt: int, outcome: str) -> None:
+    def tell(attempt: int, outcome: str) -> None:
         nonlocal good
         good += outcome == "done"
-        say(f"teaching {name}: attempt {attempt + 1} {outcome}, {good} of {count} good")
+        say(f"teaching {behaviour}: attempt {attempt + 1} {outcome}, {good} of {count} good")
 
-    return show_all(task, count, seed, [behaviour], tell)[behaviour]
+    return Course(count, tell)
+
+
+def _teacher(given: tuple[Task, int]) -> Callable[[tuple[str, int]], Attempt]:
+    task, seed = given
+
+    def attempt(job: tuple[str, int]) -> Attempt:
+        return show_once(task, job[0], job[1], seed)
+
+    return one_thread()(attempt)

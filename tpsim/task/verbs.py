@@ -1,7 +1,6 @@
 """What is done with a task: teach, learn, perform."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 
 from tpsim.border import Count, Duration, SeedNumber, border
@@ -18,8 +17,7 @@ from tpsim.world.people.push import Push
 from tpsim.world.plant import NOMINAL, Plant
 from tpsim.world.rollout import Rollout, rollout
 from tpsim.world.tank import Tank
-from tpsim.world.teaching import Shown
-from tpsim.world.teaching import teach as teach_lessons
+from tpsim.world.teaching import Attempt, Course, Shown, attempted
 from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 
@@ -70,25 +68,33 @@ def show_all(
 ) -> dict[str, Shown]:
     """As :func:`teach`, with how many attempts were refused, and why."""
     check(task)
-    found = task.behaviours()
+    wanted = list(task.behaviours()) if behaviours is None else behaviours
+    for name in wanted:
+        choice("behaviours", name, task.behaviours())
     taught = {}
-    wanted = list(found) if behaviours is None else behaviours
     for name in wanted:
-        choice("behaviours", name, found)
-    for name in wanted:
-        tell = None if progress is None else _telling(progress, name)
-        shown = teach_lessons(
-            task.stage,
-            found[name].teacher,
+        course = Course(
             task.demonstrations if count is None else count,
-            seed=seed,
-            sites=task.sites(),
-            judge=partial(refusal, task.stage.robot, goals=found[name].goals),
-            progress=tell,
+            None if progress is None else _telling(progress, name),
         )
-        trials = tuple(trial.with_about(behaviour=name) for trial in shown.trials)
-        taught[name] = replace(shown, trials=trials)
+        while attempts := course.wanted:
+            course.add(show_once(task, name, attempts[0], seed))
+        taught[name] = course.shown
     return taught
+
+
+def show_once(task: Task, behaviour: str, attempt: int, seed: int = 0) -> Attempt:
+    """One attempt at a behaviour, refused where it misses the behaviour's goals."""
+    shown = task.behaviours()[behaviour]
+    trial, why = attempted(
+        task.stage,
+        shown.teacher,
+        attempt,
+        seed=seed,
+        sites=task.sites(),
+        judge=partial(refusal, task.stage.robot, goals=shown.goals),
+    )
+    return Attempt(None if trial is None else trial.with_about(behaviour=behaviour), why)
 
 
 def _telling(progress: Callable[[str, int, str], None], name: str) -> Callable[[int, str], None]:

@@ -177,6 +177,105 @@ def _show(
     return trial.with_about(seed=seed, attempt=attempt), refusal
 
 
+class Attempt(NamedTuple):
+    """What came of showing something once.
+
+    Parameters
+    ----------
+    trial : Trial or None
+        What was recorded; None where the arm cannot even begin.
+    refusal : Refusal or None
+        Why it is not learned from.
+    """
+
+    trial: Trial | None
+    refusal: Refusal | None
+
+
+class Course:
+    """Attempts in their order, until ``count`` demonstrations are good.
+
+    Whoever has several hands may show all that is :attr:`wanted` at once: none of it is in vain.
+
+    Parameters
+    ----------
+    count : int
+        Demonstrations wanted.
+    progress : callable, optional
+        Told the attempt's number and how it ended: ``"done"``, or why it was refused.
+    """
+
+    def __init__(self, count: int, progress: Callable[[int, str], None] | None = None):
+        if count < 1:
+            raise ArgumentError(f"{count} demonstrations were asked for; ask for at least 1")
+        self._count, self._tell = count, progress
+        self._trials: list[Trial] = []
+        self._refusals: Counter[str] = Counter()
+        self._last = ""
+
+    @property
+    def wanted(self) -> range:
+        """Attempts that come next, as many as demonstrations are missing.
+
+        Raises
+        ------
+        SimulationError
+            If too many demonstrations were useless.
+        """
+        missing = self._count - len(self._trials)
+        tried = len(self._trials) + self._refusals.total()
+        if missing and tried >= ATTEMPTS * self._count:
+            raise SimulationError(
+                f"only {len(self._trials)} of {self._count} demonstrations were good; the others: "
+                + ", ".join(f"{times} {why}" for why, times in self._refusals.most_common(3))
+                + f"; the last one: {self._last}"
+            )
+        return range(tried, min(tried + missing, ATTEMPTS * self._count))
+
+    def add(self, attempt: Attempt) -> None:
+        """Take note of the next attempt."""
+        number, (trial, refusal) = self.wanted[0], attempt
+        if refusal is None and trial is not None:
+            self._trials.append(trial)
+        elif refusal is not None:
+            self._refusals[refusal.reason] += 1
+            self._last = refusal.words
+        if self._tell is not None:
+            self._tell(number, "done" if refusal is None else refusal.words)
+
+    @property
+    def shown(self) -> Shown:
+        """What came of it."""
+        return Shown(tuple(self._trials), dict(self._refusals))
+
+
+def attempted(
+    world: World,
+    teacher: Teacher,
+    attempt: int,
+    *,
+    seed: int,
+    sites: Mapping[str, str] | None = None,
+    judge: Judge | None = None,
+) -> Attempt:
+    """Show once, as :func:`show` does, and judge it.
+
+    Parameters
+    ----------
+    world, teacher, seed, sites, judge
+        As for :func:`teach`.
+    attempt : int
+        Its number.
+    """
+    try:
+        trial, refusal = _show(world, teacher, attempt, seed, sites)
+        if refusal is None and judge is not None:
+            refusal = judge(trial)
+    except SimulationError as error:
+        return Attempt(None, Refusal("unreachable", f"unreachable: {error}"))
+    return Attempt(trial, refusal)
+
+
 def teach(
     world: World,
     teacher: Teacher,
@@ -211,29 +310,7 @@ def teach(
     SimulationError
         If too many demonstrations are useless.
     """
-    if count < 1:
-        raise ArgumentError(f"{count} demonstrations were asked for; ask for at least 1")
-    trials: list[Trial] = []
-    refusals: Counter[str] = Counter()
-    last = ""
-    for attempt in range(ATTEMPTS * count):
-        try:
-            trial, refusal = _show(world, teacher, attempt, seed, sites)
-            if refusal is None and judge is not None:
-                refusal = judge(trial)
-        except SimulationError as error:
-            refusal = Refusal("unreachable", f"unreachable: {error}")
-        if refusal is None:
-            trials.append(trial)
-        else:
-            refusals[refusal.reason] += 1
-            last = refusal.words
-        if progress is not None:
-            progress(attempt, "done" if refusal is None else refusal.words)
-        if len(trials) == count:
-            return Shown(tuple(trials), dict(refusals))
-    raise SimulationError(
-        f"only {len(trials)} of {count} demonstrations were good; the others: "
-        + ", ".join(f"{times} {why}" for why, times in refusals.most_common(3))
-        + f"; the last one: {last}"
-    )
+    course = Course(count, progress)
+    while wanted := course.wanted:
+        course.add(attempted(world, teacher, wanted[0], seed=seed, sites=sites, judge=judge))
+    return course.shown

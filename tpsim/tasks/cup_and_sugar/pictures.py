@@ -7,6 +7,7 @@ import numpy as np
 
 from tpsim.film.clip import Clip, Ellipsoid, Reading
 from tpsim.study import plot
+from tpsim.study.clips import TEACHING_SPEED
 from tpsim.study.condition import Condition, Lead
 from tpsim.study.record import Record, Records
 from tpsim.study.report import Picture, Section
@@ -103,7 +104,7 @@ def clips(lab: Lab, records: Records) -> list[Clip | Sequence[Clip]]:
     shown: list[Clip | Sequence[Clip]] = []
     for name, caption in _CAPTIONS.items():
         if lab.taught.get(name):
-            shown.append(clip(lab, lab.taught[name][0], *caption, of=(name,), speed=2.0))
+            shown.append(clip(lab, lab.taught[name][0], *caption, of=(name,), speed=TEACHING_SPEED))
     task = lab.task
     if "sugar" in lab.models:
         alone = replace(task, taught=("sugar",)).in_world(task.stage)  # type: ignore[type-var]

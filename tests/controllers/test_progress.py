@@ -11,6 +11,8 @@ from tpsim.controllers.finite_horizon import FiniteHorizon
 from tpsim.controllers.progress import ByState
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose, coordinates
+from tpsim.robot.state import State
+from tpsim.robot.views.view import Seen
 from tpsim.timeline import rest_to_rest
 from tpsim.world.people.guide import Grip
 from tpsim.world.people.hold import Hold
@@ -93,14 +95,15 @@ def test_pushed_on_it_hurries(performed):
     assert share[-1] == pytest.approx(1, abs=0.02)
 
 
-def test_progress_is_led_on_from_one_observation_to_the_next_without_a_jump():
+def test_progress_is_led_on_from_one_observation_to_the_next_without_a_jump(dock_world):
     places = Gaussian(
         np.linspace([0.0] * 6, [0.3] * 6, STEPS), np.tile(1e-4 * np.eye(6), (60, 1, 1))
     )
     progress, speed = ByState(CHAIN, DT), np.full(6, 0.3 / (STEPS * DT))
-    progress.follow(places)
-    times = np.arange(0, 1.2, 0.008)
-    found = np.array([progress.at(t, t * speed, speed)[0] for t in times])
+    progress.follow(lambda state: Seen(state.time * speed, np.zeros((6, 14)), speed), places)
+    times, home = np.arange(0, 1.2, 0.008), dock_world.robot.home
+    states = [State(dock_world.robot, np.append(home, 0 * home), time=t) for t in times]
+    found = np.array([progress.at(state, state.time)[0] for state in states])
     np.testing.assert_allclose(found, times, atol=0.06)
     assert np.abs(np.diff(found)).max() < 2 * 0.008
 

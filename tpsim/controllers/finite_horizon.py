@@ -10,7 +10,7 @@ from tpsim.border import Positive, border
 from tpsim.control.impedance import impedance
 from tpsim.control.poses import SeenMovement, fuse_poses, track_poses
 from tpsim.control.system import integrator
-from tpsim.controllers.progress import ByClock, ByState, Progress
+from tpsim.controllers.progress import ByState
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
@@ -126,7 +126,7 @@ class FiniteHorizon(RenewedImpedance):
                 f"movement has {len(posture.mean)}; give SemiMarkovChain.along(its states)"
             )
         self.chain = chain
-        self._progress: Progress = ByClock() if chain is None else ByState(chain, dt)
+        self._progress = None if chain is None else ByState(chain, dt)
         self._system = integrator(6, dt, exact=True)
         self._steps, self._tail = len(movements[0]), round(TAIL / dt)
         # The costs of torque change slowly: one posture stands for some of its neighbours.
@@ -180,7 +180,7 @@ class FiniteHorizon(RenewedImpedance):
             return Impedance(HOLD * mass, 2 * HOLD**0.5 * mass, self._rest)
         seen = self._view(state)
         J, M = seen.jacobian[:, arm], state.mass
-        when, pace = self._progress.at(time, seen.value, J @ state.dq[arm])
+        when, pace = (time, 1.0) if self._progress is None else self._progress.at(state, time)
         step, spring, change = self._law(when)
         lever = J.T @ self._felt_inertia(M[arm, arm], J)
         null = M[arm, arm] - lever @ J
@@ -230,7 +230,10 @@ class FiniteHorizon(RenewedImpedance):
         rest = [movement.from_step(first) for movement in movements]
         reference = poses[-1][0] @ rest[-1].reference
         means, precisions, fused = fuse_poses(rest, poses, reference, covariances=unsure)
-        self._progress.follow(Gaussian.trusted(fused, np.linalg.inv(precisions.sum(0))))
+        self._view = SiteView(self.site, None, "pose", as_rotation(reference))
+        if self._progress is not None:
+            spread = np.linalg.inv(precisions.sum(0))
+            self._progress.follow(self._view, Gaussian.trusted(fused, spread))
         turning = np.broadcast_to(np.eye(6), precisions.shape[1:]).copy()
         turning[:, 3:, 3:] = rotation.left_jacobian(fused[:, 3:])
         effort = turning.mT @ self._costs[first:] @ turning
@@ -244,7 +247,6 @@ class FiniteHorizon(RenewedImpedance):
         self._first, self._brakes = first, feedback.gain[kept, :, 6:]
         self._springs = np.dstack([-feedback.gain[..., :6], feedback.feedforward])[kept]
         self._slopes = np.diff(self._springs, axis=0)
-        self._view = SiteView(self.site, None, "pose", as_rotation(reference))
 
     def _law(self, time: float) -> tuple[int, np.ndarray, np.ndarray]:
         """Step of the movement, and spring there with its rate of change, linear between steps."""

@@ -1,5 +1,6 @@
-"""How far a movement has come: by the clock, or by what the hand is seen to do."""
+"""How far a movement has come, from what the hand is seen to do."""
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -8,6 +9,8 @@ from tpsim.gaussian import Gaussian
 from tpsim.learning.semi_markov import SemiMarkovChain
 from tpsim.retrieval.passage import Passage
 from tpsim.retrieval.progress import Belief, Pace, ProgressFilter
+from tpsim.robot.state import State
+from tpsim.robot.views.view import Seen
 
 PACE = Pace(np.array([0.15, 0.7, 0.15]), 0.7)
 """A person who holds or hurries a hand does so for some steps."""
@@ -20,33 +23,18 @@ SLIP = np.array([0.05] * 3 + [0.3] * 3)
 
 
 class Progress(Protocol):
-    """Says when in its movement a hand is."""
+    """Says how far a movement has come; without one, the clock does."""
 
-    def follow(self, places: Gaussian) -> None:
-        """From now on the movement (S, 6) is another one: objects have moved."""
-
-    def at(self, time: float, position: np.ndarray, velocity: np.ndarray) -> tuple[float, float]:
+    def at(self, state: State, time: float) -> tuple[float, float]:
         """Time within the movement [s], and how much of it passes per second.
 
         Parameters
         ----------
+        state : State
         time : float
             By the clock [s].
-        position, velocity : (6,)
-            Of the hand.
         """
         ...
-
-
-class ByClock:
-    """The movement's time is the clock's, whatever happens."""
-
-    def follow(self, places: Gaussian) -> None:
-        """Nothing is asked of the movement."""
-
-    def at(self, time: float, position: np.ndarray, velocity: np.ndarray) -> tuple[float, float]:
-        """As the clock says."""
-        return time, 1.0
 
 
 class ByState:
@@ -64,28 +52,39 @@ class ByState:
     def __init__(self, chain: SemiMarkovChain, dt: float, pace: Pace = PACE):
         self._filter, self._dt = ProgressFilter(chain, pace), dt
         self._passage: Passage | None = None
+        self._see: Callable[[State], Seen] | None = None
         self._belief: Belief | None = None
         self._since, self._place, self._rate = 0.0, 0.0, 0.0
 
-    def follow(self, places: Gaussian) -> None:
-        """See the hand along another movement from now on, as far as it has come."""
+    def follow(self, see: Callable[[State], Seen], places: Gaussian) -> None:
+        """See the hand along another movement from now on, as far as it has come.
+
+        Parameters
+        ----------
+        see : callable
+            How the hand is seen, such as a view (d,).
+        places : Gaussian (S, d)
+            What the movement asks of it, step by step.
+        """
         # One for all: observations follow each other so fast that they are far from independent,
         # and a hand at rest would be drawn to wherever the movement is most precise.
         spread = places.covariance.mean(0) + np.diag(STRAY**2)
         alike = Gaussian.trusted(places.mean, np.broadcast_to(spread, places.covariance.shape))
+        self._see = see
         self._passage = Passage(self._filter.chain, alike, self._dt, SLIP)
 
-    def at(self, time: float, position: np.ndarray, velocity: np.ndarray) -> tuple[float, float]:
+    def at(self, state: State, time: float) -> tuple[float, float]:
         """What the last observation said, led on to the next one without a jump."""
         if self._belief is None or time >= self._since + self._dt - 1e-9:
-            self._observe(time, position, velocity)
+            self._observe(state, time)
         now = self._place + self._rate * (time - self._since)
         return now * self._dt, self._rate * self._dt
 
-    def _observe(self, time: float, position: np.ndarray, velocity: np.ndarray) -> None:
-        assert self._passage is not None  # there is a plan before there is a law
-        paces = len(self._filter.pace.likely)
-        seen = self._passage.log_densities(position, velocity, paces)
+    def _observe(self, state: State, time: float) -> None:
+        assert self._passage is not None and self._see is not None  # a plan comes before a law
+        hand, paces = self._see(state), len(self._filter.pace.likely)
+        velocity = hand.jacobian @ state.dq + hand.drift
+        seen = self._passage.log_densities(hand.value, velocity, paces)
         if self._belief is None:
             self._belief = self._filter.start(seen)
         else:

@@ -1,6 +1,5 @@
 """A movement retrieved in time from moving frames, by Gaussian mixture regression, as torque."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +7,7 @@ from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.border import Positive, border
 from tpsim.controllers.product import Skill
+from tpsim.controllers.progress import Progress
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.controllers.timed_product import TimedProduct
 from tpsim.errors import SimulationError
@@ -16,11 +16,9 @@ from tpsim.retrieval.tp_gmr import Order
 from tpsim.robot.state import State
 from tpsim.world.impedance import Impedance
 
-Progress = Callable[[State, float], tuple[float, float]]
-"""Time within the movement [s], and how much of it passes per second, at a state and a time."""
-
 PULL = 0.2
-"""Share of the motors' torque that springs may ask for where progress is not the clock's."""
+"""Share of the motors' torque with which springs may pull along the movement where progress is not
+the clock's: who holds a hand would else be let go by a spring that is wound up."""
 
 PERIOD = 0.03
 """Time [s] between two adaptations of the mixture to the frames: as often as a camera looks."""
@@ -46,10 +44,11 @@ class TimedIntervention(RenewedImpedance):
         Joint posture [rad] for directions that no frame determines.
     period : float
         Time [s] between two adaptations.
-    progress : callable, optional
-        ``progress(state, time)``: time within the movement [s], and how much of it passes per
-        second; the reference then moves with it. By default the clock says it, and the reference
-        stands still from one adaptation to the next.
+    progress : Progress, optional
+        What says how far the movement has come. The reference then moves on at its rate, and waits
+        for hands that stay behind: along the movement springs pull with a share ``PULL`` of the
+        motors' torque at most, across it as they were taught. By default the clock says it, and
+        the reference stands still from one adaptation to the next.
     order : str
         Of :func:`~tpsim.retrieval.tp_gmr.tp_gmr`. The covariance is stiffness here: moments of a
         mixture would be soft wherever a precise component meets a vague one, so that precisions
@@ -76,36 +75,50 @@ class TimedIntervention(RenewedImpedance):
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the posture that the movement asks for now."""
-        step, velocity = self._step(state, time)
+        if self.progress is None:
+            step, tick = self._product.step(state, min(time, self.until)), None
+        else:
+            place, rate = self.progress.at(state, time)
+            step, tick = self._between(state, place)
         L = dpotrf(state.mass, lower=1)[0]
         # L' Sigma L is the inverse of Lambda_z: the same eigenvectors, without an inverse.
         variances, V, failed = dsyevd(L.T @ step.covariance @ L, overwrite_a=1)
         if failed or not variances[0] > 0:
             raise SimulationError("the covariance of the movement has no eigendecomposition")
         modes, stiffness = L @ V, 1 / np.sqrt(self.effort * variances)
-        now = Impedance.of_modes(modes, stiffness, state.q + step.mean)
-        now = now if velocity is None else replace(now, velocity=velocity)
+        now, way = Impedance.of_modes(modes, stiffness, state.q), step.mean
+        if tick is not None:
+            way = _waiting(way, tick, now.stiffness, state.robot.torque_limit)
+            now = replace(now, velocity=rate / self.period * tick)
+        now = replace(now, reference=state.q + way)
         # Far away the spring gives way, so that spring against damper asks for no wild speed.
-        pace = np.sqrt(stiffness / 2) * (modes.T @ step.mean)
+        pace = np.sqrt(stiffness / 2) * (modes.T @ way)
         speed = dtrtrs(L, V @ pace, lower=1, trans=1)[0]
         excess = float((np.abs(speed) / state.robot.velocity_limit).max())
-        if self.progress is not None:
-            # Who holds the hand would else be let go by a spring that is wound up.
-            pull = np.abs(now.stiffness @ step.mean) / state.robot.torque_limit
-            excess = max(excess, float(pull.max()) / PULL)
         return now if excess <= 1 else now.weaker(excess)
 
-    def _step(self, state: State, time: float) -> tuple[Gaussian, np.ndarray | None]:
-        """Step from the posture that the movement asks for, and how fast it goes on [rad/s]."""
-        if self.progress is None:
-            return self._product.step(state, min(time, self.until)), None
-        place, rate = self.progress(state, time)
-        tick = self.period
-        first = tick * int(min(max(place, 0.0), self.until - tick) / tick + 1e-9)
+    def _between(self, state: State, place: float) -> tuple[Gaussian, np.ndarray]:
+        """Step (n,) that the movement asks for at a place [s], and where it goes in one period."""
+        tick, last = self.period, self.until - self.period
+        first = tick * int(min(max(place, 0.0), last) / tick + 1e-9)
         share = min(max((place - first) / tick, 0.0), 1.0)
         # At times that are known already, since others take longer.
         before, after = (self._product.step(state, t) for t in (first, first + tick))
         near = after if share > 0.5 else before
         on = after.mean - before.mean
-        moving = rate / tick * on * (place < self.until)
-        return Gaussian.trusted(before.mean + share * on, near.covariance), moving
+        step = Gaussian.trusted(before.mean + share * on, near.covariance)
+        return step, on * (place < self.until)
+
+
+def _waiting(
+    way: np.ndarray, tick: np.ndarray, stiffness: np.ndarray, limit: np.ndarray
+) -> np.ndarray:
+    """The way (n,) to a reference that goes back along the movement until it pulls no more.
+
+    How far it is ahead of the posture along the movement is told in the metric of the stiffness.
+    """
+    pull = stiffness @ tick
+    energy = float(tick @ pull)
+    most = PULL / max(float((np.abs(pull) / limit).max()), 1e-12)
+    ahead = float(pull @ way) / max(energy, 1e-12)
+    return way - (ahead - min(max(ahead, -most), most)) * tick

@@ -1,14 +1,25 @@
 """What comes of holding a robot's hand still for a while and letting go."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from tpsim.study.measure import Measure
 from tpsim.study.record import Record, Records
+from tpsim.study.study import ControllerFactory
+from tpsim.task.task import Task
+
+BY = {"by state": "state", "by clock": "clock"}
+"""Controllers that are held, and what says how far their movement has come."""
 
 SUDDEN = 0.1
 """Time [s] after letting go within which torque that changes counts as a jump."""
+
+
+def by_progress(task: Task) -> dict[str, ControllerFactory]:
+    """The controllers of a task whose field ``progress`` is the state or the clock, as in BY."""
+    return {name: replace(task, **{"progress": by}).controller for name, by in BY.items()}  # type: ignore[type-var]
 
 
 def release_jump(record: Record) -> float | None:

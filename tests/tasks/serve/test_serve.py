@@ -146,7 +146,7 @@ def test_progress_is_seen_in_both_hands_and_stands_still_with_them(performed):
 
     def seen(k, time):
         state = TASK.stage.robot.at(trial["q"][k], trial["dq"][k], places)
-        return controller.progress(state, time)
+        return controller.progress.at(state, time)
 
     ticks, held = range(0, 1000, 3), range(1000, 1500, 3)
     followed = np.array([seen(k, trial.time[k])[0] for k in ticks])

@@ -5,7 +5,7 @@ it is inferred by the forward variable of a semi-Markov chain whose ticks may st
 (:mod:`tpsim.retrieval.progress`). Both arms share it: who holds one stops the other.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -21,7 +21,8 @@ from tpsim.retrieval.gmr import gmr
 from tpsim.retrieval.passage import Passage
 from tpsim.retrieval.progress import Pace
 from tpsim.robot.state import State
-from tpsim.robot.views.sites import SiteView, as_rotation
+from tpsim.robot.views.sites import Site, SiteView, as_rotation
+from tpsim.robot.views.view import Seen
 
 MOVED = 1e-4
 """Change of an object's position [m] or rotation matrix after which the way is another one."""
@@ -50,11 +51,13 @@ LEAD = 0.12
 class _SoftHands(ByState):
     """As hands that are held softly are seen."""
 
-    def follow(self, places: Gaussian) -> None:
+    def follow(self, see: Callable[[State], Seen], places: Gaussian) -> None:
+        """See the hands along another movement from now on."""
         # Of most moments: while the cup is tilted, how far it is differs most between lessons.
         usual = np.median(np.diagonal(places.covariance, axis1=1, axis2=2), axis=0)
         spread = np.diag(usual + STRAY**2)
         alike = Gaussian.trusted(places.mean, np.broadcast_to(spread, places.covariance.shape))
+        self._see = see
         self._passage = Passage(self._filter.chain, alike, self._dt, SLIP)
 
 
@@ -90,7 +93,8 @@ class HandsProgress:
         def retrieved(frame: int) -> Gaussian:
             return gmr(GMM(model.priors, model.frames[frame]), times)
 
-        self._cup, self._hands = [base for base, *_ in cup], hands
+        self._cup = [base for base, *_ in cup]
+        self._site, self._other = hands[0], Site(hands[1]).position
         self._movements = []
         for _, *frames, reference in cup:
             parts = [retrieved(frame) for frame in frames]
@@ -105,7 +109,7 @@ class HandsProgress:
         self._seen: np.ndarray | None = None
         self._view: SiteView | None = None
 
-    def __call__(self, state: State, time: float) -> tuple[float, float]:
+    def at(self, state: State, time: float) -> tuple[float, float]:
         """Time within the movement [s], and how much of it passes per second."""
         names = dict.fromkeys([*self._cup, *(base for base, _ in self._sugar)])
         poses = {
@@ -115,19 +119,21 @@ class HandsProgress:
         if self._seen is None or np.abs(seen - self._seen).max() > MOVED:
             self._seen = seen
             self._follow(poses)
-        assert self._view is not None
-        cup, other = self._view(state), self._hands[1]
-        here = np.append(cup.value, state.pose(other).position)
-        speed = np.append(cup.jacobian @ state.dq, state.twist(other)[:3])
-        place, rate = self._progress.at(time, here, speed)
+        place, rate = self._progress.at(state, time)
         return place + LEAD, rate
+
+    def _hands(self, state: State) -> Seen:
+        """Pose of the hand with the cup, over the position of the other one (9,)."""
+        assert self._view is not None
+        cup, other = self._view(state), self._other(state)
+        return Seen(*(np.concatenate(parts) for parts in zip(cup[:3], other[:3], strict=True)))
 
     def _follow(self, poses: dict[str | None, Pose]) -> None:
         """From now on, objects are at these poses."""
         bases = [poses[name] for name in self._cup]
         reference = bases[0].rotation @ self._movements[0].reference
         _, precisions, fused = fuse_poses(self._movements, bases, reference)
-        self._view = SiteView(self._hands[0], None, "pose", as_rotation(reference))
+        self._view = SiteView(self._site, None, "pose", as_rotation(reference))
         cup_hand = Pose(rotation.exp(fused[:, 3:]) @ reference, fused[:, :3])
         precision, information = np.zeros((len(fused), 3, 3)), np.zeros((len(fused), 3))
         for name, part in self._sugar:
@@ -140,4 +146,4 @@ class HandsProgress:
         covariance[:, :6, :6] = np.linalg.inv(precisions.sum(0))
         covariance[:, 6:, 6:] = np.linalg.inv(precision)
         other = (covariance[:, 6:, 6:] @ information[..., None])[..., 0]
-        self._progress.follow(Gaussian.trusted(np.hstack([fused, other]), covariance))
+        self._progress.follow(self._hands, Gaussian.trusted(np.hstack([fused, other]), covariance))

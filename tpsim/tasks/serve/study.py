@@ -1,13 +1,11 @@
 """The study of serving: unseen situations, pushed in every phase, and held for a while."""
 
-from dataclasses import replace
-from typing import Literal
-
 import numpy as np
 
 from tpsim.study.condition import Condition
-from tpsim.study.study import ControllerFactory, Lab, Phases, Plan, Study
-from tpsim.task.task import Task, draw_situation
+from tpsim.study.held import BY, by_progress
+from tpsim.study.study import Lab, Phases, Plan, Study
+from tpsim.task.task import draw_situation
 from tpsim.tasks.serve import pictures, scene
 from tpsim.tasks.serve.measures import MEASURES
 from tpsim.tasks.serve.task import Serve
@@ -20,9 +18,6 @@ PUSH, LASTS = 10.0, 2.0
 
 HOLDS = 5.0
 """How long a person holds the hand [s]."""
-
-BY: dict[str, Literal["clock", "state"]] = {"by state": "state", "by clock": "clock"}
-"""Controllers that are held: what says how far the movement has come."""
 
 PARTS = {
     "take": ("take", "grasp"),
@@ -80,16 +75,10 @@ def _hold(rng: np.random.Generator, index: int) -> Hold:
     return Hold(scene.LEFT, float(np.round(rng.uniform(begin, end), 2)), HOLDS)
 
 
-def _by(task: Task) -> dict[str, ControllerFactory]:
-    """The task's controller, by the clock and by the state."""
-    assert isinstance(task, Serve)
-    return {name: replace(task, progress=by).controller for name, by in BY.items()}
-
-
 serve = Study(
     Serve(),
     MEASURES,
-    controllers=_by,
+    controllers=by_progress,
     conditions=conditions,
     title="Serve: take, sugar, pour, put back",
     lead=(

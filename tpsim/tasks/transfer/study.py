@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Literal
 
 import numpy as np
 
@@ -11,10 +10,10 @@ from tpsim.robot.views.view import View
 from tpsim.study import health
 from tpsim.study.condition import Condition
 from tpsim.study.expert import fixed_gains
-from tpsim.study.held import held_measures
+from tpsim.study.held import BY, by_progress, held_measures
 from tpsim.study.measure import Measure
 from tpsim.study.record import Record, Records
-from tpsim.study.study import ControllerFactory, Lab, Phases, Plan, Study
+from tpsim.study.study import Lab, Phases, Plan, Study
 from tpsim.task.task import Situation, draw_situation
 from tpsim.tasks.transfer import docks, experts, pictures
 from tpsim.tasks.transfer.task import SEEN, Transfer, lesson_between
@@ -44,9 +43,6 @@ ENDED = 0.5
 
 HOLD, HELD = 5.0, (0.5, 5.0)
 """How long a person holds the hand still [s], from a time on that is drawn from this range [s]."""
-
-BY: dict[str, Literal["clock", "state"]] = {"by clock": "clock", "by state": "state"}
-"""Controllers that are held: what says how far the movement has come."""
 
 _MOVES, _HOLDS = 3, 4
 
@@ -243,18 +239,13 @@ MEASURES = (
 )
 
 
-def _by(task: Transfer) -> dict[str, ControllerFactory]:
-    """The task's controller, by the clock and by the state."""
-    return {name: replace(task, progress=by).controller for name, by in BY.items()}
-
-
 def study(task: Transfer) -> Study:
     """The study of transfer."""
     compared = experts.contest(task)
     return Study(
         task,
         MEASURES,
-        controllers=fixed_gains(compared.experts["computed"]) | _by(task),
+        controllers=fixed_gains(compared.experts["computed"]) | by_progress(task),
         conditions=conditions,
         contest=compared,
         show=show,

@@ -44,19 +44,30 @@ def inverse_spd(matrix: np.ndarray, name: str) -> np.ndarray:
     Variables are scaled to unit variance first, so that their units do not matter. The diagonal
     of the inverse then holds how many times each variance shrinks when all others are known.
     """
+    unit = scales(matrix, name)
+    return symmetric(inverse_of_scaled(matrix * unit, name)) * unit
+
+
+def scales(matrix: np.ndarray, name: str) -> np.ndarray:
+    """By what to multiply the entries of matrices (..., D, D) for unit variances."""
     diagonal = matrix.diagonal(0, -2, -1)
-    if not (diagonal > 0).all():
+    if not np.minimum.reduce(diagonal, None, initial=np.inf) > 0:
         raise ArgumentError(_singular(name))
     scale = 1 / np.sqrt(diagonal)
-    scale = scale[..., :, None] * scale[..., None, :]
+    return scale[..., :, None] * scale[..., None, :]
+
+
+def inverse_of_scaled(matrix: np.ndarray, name: str) -> np.ndarray:
+    """Work of :func:`inverse_spd` for variances near one; symmetric but for rounding."""
     try:
-        inverse = np.linalg.inv(matrix * scale)
+        inverse = np.linalg.inv(matrix)
     except np.linalg.LinAlgError as error:
         raise ArgumentError(_singular(name)) from error
     shrinkage = inverse.diagonal(0, -2, -1)
-    if not (shrinkage.min() > 0 and shrinkage.max() < WORST_CONDITION):
+    least = np.minimum.reduce(shrinkage, None, initial=np.inf)
+    if not (least > 0 and np.maximum.reduce(shrinkage, None, initial=0.0) < WORST_CONDITION):
         raise ArgumentError(_singular(name))
-    return symmetric(inverse) * scale
+    return inverse
 
 
 def unit_variances(matrix: np.ndarray) -> np.ndarray:

@@ -60,10 +60,11 @@ def _observed(
         for j, (frame, gaussian) in enumerate(zip(given, local, strict=True))
         if frame is not None
     ]
-    kinds = dict.fromkeys(str(getattr(g, "manifold", f"R({g.dim})")) for g, _ in found)
-    if len(kinds) != 1:
+    kinds = {getattr(g, "manifold", None) for g, _ in found}
+    if len(kinds) != 1 or None in kinds:
+        names = dict.fromkeys(str(getattr(g, "manifold", f"R({g.dim})")) for g, _ in found)
         raise ArgumentError(
-            f"the frames lead to {', '.join(kinds) or 'nothing'}; at least one frame must be "
+            f"the frames lead to {', '.join(names) or 'nothing'}; at least one frame must be "
             "given, and all must lead to one manifold"
         )
     return [
@@ -81,17 +82,21 @@ def _placed(
         A, b = _stacked([frame.A for _, frame in members]), _stacked([f.b for _, f in members])
     except ValueError as error:
         raise ArgumentError(f"the frames have different shapes or steps ({error})") from error
-    moved = manifold.frame(Frame.trusted(A, b))
-    A, b = moved.A[..., None, :, :], moved.b[..., None, :]
-    local = np.array([g.mean for g, _ in members])
-    room = (1,) * (b.ndim - local.ndim)
-    local = local.reshape(len(local), *room, *local.shape[1:])
-    precision = np.array([g.precision for g, _ in members])
-    precision = precision.reshape(len(precision), *room, *precision.shape[1:])
-    mean = (A @ local[..., None])[..., 0] + b
-    turn = manifold.work.turned(A, local, mean)
-    back = turn.mT if manifold.work.rigid(A) else np.linalg.inv(turn)
+    A, b = A[..., None, :, :], b[..., None, :]
+    local, precision = (
+        _with_room([getattr(g, name) for g, _ in members], b.ndim - extra)
+        for name, extra in (("mean", 0), ("precision", -1))
+    )
+    mean, turn, rigid = manifold.moved(Frame.trusted(A, b), local)
+    back = turn.mT if rigid else np.linalg.inv(turn)
     return manifold, mean, back.mT @ precision @ back
+
+
+def _with_room(arrays: list[np.ndarray], ndim: int) -> np.ndarray:
+    """Arrays of the members, with leading axes of the frames between those and their own."""
+    stack = np.array(arrays)
+    room = (1,) * (ndim - stack.ndim)
+    return stack.reshape(len(stack), *room, *stack.shape[1:])
 
 
 def _stacked(arrays: list[np.ndarray]) -> np.ndarray:

@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tpsim.manifold.orientations import Rotations
 from tpsim.manifold.spaces import Euclidean, Space
-from tpsim.manifold.sphere import Sphere
+from tpsim.manifold.unit import identity
 
 
 class Block(NamedTuple):
@@ -60,7 +59,12 @@ class Charts:
     @cached_property
     def curved(self) -> tuple[Block, ...]:
         """Factors in which tangent spaces differ."""
-        return tuple(b for b in self.blocks if isinstance(b.space, Sphere | Rotations))
+        return tuple(b for b in self.blocks if b.space.curved)
+
+    @cached_property
+    def curved_rows(self) -> np.ndarray:
+        """Their tangent rows."""
+        return np.array([i for b in self.curved for i in range(b.rows.start, b.rows.stop)], int)
 
     def log(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Tangent vectors (..., dim) at x that lead to y, along the shortest way."""
@@ -87,6 +91,13 @@ class Charts:
         parts = [b.space.exp(x[..., b.columns], v[..., b.rows]) for b in self.blocks]
         return _joined(parts, [b.columns for b in self.blocks], self.width)
 
+    def stepped(self, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Where :meth:`exp` leads to second order: enough for steps that become none."""
+        y = np.empty(x.shape)
+        for space, columns, rows in self.blocks:
+            y[..., columns] = space.stepped(x[..., columns], v[..., rows])
+        return y
+
     def transport(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Parallel transport (..., dim, dim) of tangent coordinates at x to those at y."""
         turn = self._identity(np.broadcast_shapes(x.shape[:-1], y.shape[:-1]))
@@ -103,30 +114,60 @@ class Charts:
 
     def seen(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Tangent vectors (..., dim) at x that lead to y, and :meth:`slope`."""
-        found = [
-            (b, b.space.seen(x[..., b.columns], y[..., b.columns]))
-            for b in self.blocks
-            if not b.space.flat
-        ]
-        lead = (
-            found[0][1][0].shape[:-1] if found else np.broadcast_shapes(x.shape[:-1], y.shape[:-1])
-        )
-        v, slope = np.empty((*lead, self.dim)), self._identity(lead)
-        for (_, _, rows), (way, stretch) in found:
-            v[..., rows], slope[..., rows, rows] = way, stretch
+        v = self.log(x, y)
+        return v, self.slope(x, y, v)
+
+    def linearised(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """:meth:`slope` and, in the last column, what it makes of v: (..., dim, dim + 1)."""
+        lead = np.broadcast(x[..., 0], y[..., 0]).shape
+        found = np.empty((*lead, self.dim, self.dim + 1))
+        found[...] = self._eye_and_zero
         for space, columns, rows in self.blocks:
-            if space.flat:
-                np.subtract(y[..., columns], x[..., columns], out=v[..., rows])
-        return v, slope
+            if space.curved:
+                one = space.linearised(x[..., columns], y[..., columns])
+                found[..., rows, rows], found[..., rows, -1] = one[..., :-1], one[..., -1]
+            else:
+                found[..., rows, -1] = space.log(x[..., columns], y[..., columns])
+        return found
+
+    def carrying(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Tangent vectors (..., dim) at x that lead to y, and the inverse of :meth:`slope`.
+
+        It carries tangent coordinates at y to those at x.
+        """
+        lead = np.broadcast(x[..., 0], y[..., 0]).shape
+        v, carry = np.empty((*lead, self.dim)), self._identity(lead)
+        for space, columns, rows in self.blocks:
+            if space.curved:
+                one = space.carrying(x[..., columns], y[..., columns])
+                v[..., rows], carry[..., rows, rows] = one
+            else:
+                v[..., rows] = space.log(x[..., columns], y[..., columns])
+        return v, carry
+
+    def departing(self, x: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Points (..., width) to which tangent vectors lead, and what carries coordinates there.
+
+        It is :meth:`carrying` seen from x.
+        """
+        lead = np.broadcast(x[..., 0], v[..., 0]).shape
+        y, carry = np.empty((*lead, self.width)), self._identity(lead)
+        for space, columns, rows in self.blocks:
+            if space.curved:
+                one = space.departing(x[..., columns], v[..., rows])
+                y[..., columns], carry[..., rows, rows] = one
+            else:
+                y[..., columns] = space.exp(x[..., columns], v[..., rows])
+        return y, carry
 
     def _identity(self, lead: tuple[int, ...]) -> np.ndarray:
         found = np.empty((*lead, self.dim, self.dim))
-        found[...] = self._eye
+        found[...] = identity(self.dim)
         return found
 
     @cached_property
-    def _eye(self) -> np.ndarray:
-        return np.eye(self.dim)
+    def _eye_and_zero(self) -> np.ndarray:
+        return np.eye(self.dim, self.dim + 1)
 
     def centre(self, y: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Point (..., width) near the mean of points (N, width), with weights (..., N)."""
@@ -134,9 +175,29 @@ class Charts:
             [space.centre(y[:, columns], weights) for space, columns, _ in self.blocks], axis=-1
         )
 
-    def rigid(self, A: np.ndarray) -> bool:
-        """Whether a frame's A (..., width, width) keeps lengths."""
-        return bool(np.abs(A @ A.mT - np.eye(self.width)).max() < 1e-9)
+    def near_mean(self, weights: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Point (..., width) near the mean of few points (..., K, width), weights (..., K)."""
+        if weights.ndim == 1 and y.ndim == 2:
+            heaviest = y[weights.argmax()]
+        else:
+            heaviest = np.take_along_axis(y, weights.argmax(-1)[..., None, None], -2)[..., 0, :]
+        found = np.empty(heaviest.shape)
+        for space, columns, _ in self.blocks:
+            found[..., columns] = space.near_mean(weights, y[..., columns], heaviest[..., columns])
+        return found
+
+    def moved(
+        self, A: np.ndarray, b: np.ndarray, x: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Images (..., width) of points under frames A (..., n, n), b (..., n), and tangent maps.
+
+        The latter (..., dim, dim) lead from the points to their images.
+        """
+        lead = np.broadcast(b[..., 0], x[..., 0]).shape
+        y, turn = np.empty((*lead, self.width)), self._identity(lead)
+        for space, columns, rows in self.single:
+            turn[..., rows, rows] = space.moved(A, b, x[..., columns], y[..., columns])
+        return y, turn
 
     def turned(self, A: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Tangent map (..., dim, dim) of a frame, from points x to their images y."""

@@ -194,9 +194,9 @@ def split(manifold: Manifold, given: Dimensions, of: Dimensions | None) -> tuple
 
 def shifted(manifold: Manifold, base: np.ndarray, tangent: Gaussian) -> RiemannianGaussian:
     """Gaussian about the point to which a Gaussian in the tangent space at ``base`` leads."""
-    mean = manifold.work.exp(base, tangent.mean)
+    mean, carry = manifold.work.departing(base, tangent.mean)
     return RiemannianGaussian.trusted_on(
-        manifold, mean, carried(manifold, base, mean, tangent.covariance)
+        manifold, mean, symmetric(carry @ tangent.covariance @ carry.mT)
     )
 
 
@@ -204,5 +204,5 @@ def carried(manifold: Manifold, x: np.ndarray, y: np.ndarray, covariance: np.nda
     """Covariances (..., dim, dim) at points x in tangent coordinates at y."""
     if not manifold.work.curved:
         return covariance
-    slope = np.linalg.inv(manifold.work.slope(y, x, manifold.work.log(y, x)))
-    return symmetric(slope @ covariance @ slope.mT)
+    _, carry = manifold.work.carrying(y, x)
+    return symmetric(carry @ covariance @ carry.mT)

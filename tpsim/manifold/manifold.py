@@ -18,7 +18,10 @@ from tpsim.manifold.charts import Charts
 from tpsim.manifold.orientations import Rotations
 from tpsim.manifold.spaces import Circle, Euclidean, Moves, Space
 from tpsim.manifold.sphere import Sphere
-from tpsim.manifold.unit import not_orthonormal
+from tpsim.manifold.unit import off_orthonormal
+
+RIGID = 1e-9
+"""How far A A' may be off the identity where lengths are kept."""
 
 
 class Factors(NamedTuple):
@@ -221,28 +224,49 @@ class Manifold(Part):
             left multiplications for quaternions, which is checked.
         """
         frame = instance("frame", frame, Frame, "give Frame(A, b)")
-        A, b = frame.A, frame.b
-        if A.shape[-1] == self.width and not self._lone:
+        if self._of_columns(frame):
             return self._checked(frame)
-        if A.shape[-1] != A.shape[-2]:
-            raise ArgumentError(
-                f"A has shape {A.shape}; frames of {self} are square: what not all frames see in "
-                "full is for a TPGMM in R^n"
-            )
-        if self.work.flat:
-            if (np.abs(np.linalg.det(A)) < 1e-12 * np.abs(A).max((-2, -1)) ** A.shape[-1]).any():
-                raise ArgumentError("a frame's A is singular; give an invertible one")
-        elif not_orthonormal(A):
-            raise ArgumentError(
-                "A is no rotation: a frame that scales or shears has no orientation; give a "
-                "rigid motion"
-            )
+        A, b = frame.A, frame.b
+        self._check_rigid(A)
         parts = [space.lifted(A, b) for space in self.spaces]
         lead = A.shape[:-2]
         whole, offset = np.zeros((*lead, self.width, self.width)), np.zeros((*lead, self.width))
         for (_, columns, _), (turn, move) in zip(self.work.single, parts, strict=True):
             whole[..., columns, columns], offset[..., columns] = turn, move
         return Frame.trusted(whole, offset)
+
+    def moved(self, frame: Frame, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+        """Images (..., width) of points under a frame, see :meth:`frame`, and tangent maps.
+
+        The latter (..., dim, dim) lead from points to images; and whether they keep lengths.
+        """
+        if self._of_columns(frame):
+            A = self._checked(frame).A
+            y = np.matmul(A, x[..., None])[..., 0] + frame.b
+            return y, self.work.turned(A, x, y), off_orthonormal(A) < RIGID
+        off = self._check_rigid(frame.A)
+        return *self.work.moved(frame.A, frame.b, x), off < RIGID
+
+    def _of_columns(self, frame: Frame) -> bool:
+        return frame.A.shape[-1] == self.width and not self._lone
+
+    def _check_rigid(self, A: np.ndarray) -> float:
+        """How far a frame's A (..., n, n) is off a rotation or reflection; ArgumentError if far."""
+        if A.shape[-1] != A.shape[-2]:
+            raise ArgumentError(
+                f"A has shape {A.shape}; frames of {self} are square: what not all frames see in "
+                "full is for a TPGMM in R^n"
+            )
+        off = off_orthonormal(A)
+        if self.work.flat:
+            if (np.abs(np.linalg.det(A)) < 1e-12 * np.abs(A).max((-2, -1)) ** A.shape[-1]).any():
+                raise ArgumentError("a frame's A is singular; give an invertible one")
+        elif off > 1e-6:
+            raise ArgumentError(
+                "A is no rotation: a frame that scales or shears has no orientation; give a "
+                "rigid motion"
+            )
+        return off
 
     def _checked(self, frame: Frame) -> Frame:
         """The frame, or an ArgumentError where it leads off the manifold."""

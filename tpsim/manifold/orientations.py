@@ -39,6 +39,7 @@ class Rotations(Space):
     mirror: str = ""
     width: ClassVar[int] = 4  # type: ignore[misc]
     dim: ClassVar[int] = 3  # type: ignore[misc]
+    curved: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         choice("mirror", self.mirror, ("", "x", "y", "z"))
@@ -83,21 +84,50 @@ class Rotations(Space):
         turn[..., 1:] = (0.5 * np.sin(half) / np.maximum(half, TINY)) * v
         return times(turn, x)
 
+    def stepped(self, x, v):
+        """The direction of (1, v / 2) x, of which no angles are needed."""
+        turn = np.ones((*v.shape[:-1], 4))
+        np.multiply(v, 0.5, out=turn[..., 1:])
+        y = times(turn, x)
+        return y / np.sqrt(np.vecdot(y, y))[..., None]
+
     def transport(self, x, y):
         """The turn by half the rotation vector."""
         return _half_turn(self.log(x, y))[0]
 
-    def seen(self, x, y):
-        """Both at once, which share their angles."""
+    def linearised(self, x, y):
+        """Of :meth:`slope`, v is an eigenvector; both are linear in few numbers."""
         turn = np.matmul(over(x), y[..., None])[..., 0]
-        w = turn[..., :1]
+        w, u = _coordinates(turn)
         cosine = np.minimum(np.abs(w), 1 - 1e-16)
-        half = np.arccos(cosine)
-        factor = 2 * half / np.sqrt(1 - cosine * cosine)
-        v = np.copysign(factor, w) * turn[..., 1:]
-        # (1 - half / tan half) / (2 half)^2
-        ratio = (1 - 0.5 * factor * cosine) / np.maximum(4 * half * half, TINY)
-        return v, _inverse_jacobian(v, ratio[..., None])
+        square = 1 - cosine * cosine
+        factor = np.arccos(cosine) / np.sqrt(square)
+        along = factor * cosine
+        return _stretched(along, np.copysign(factor, w) * u, (1 - along) / square, u, turn.shape)
+
+    def carrying(self, x, y):
+        """Left Jacobian of the rotation vector from y to x."""
+        turn = np.matmul(over(x), y[..., None])[..., 0]
+        w, u = _coordinates(turn)
+        cosine = np.minimum(np.abs(w), 1 - 1e-16)
+        square = 1 - cosine * cosine
+        factor = np.arccos(cosine) / np.sqrt(square)
+        along, sign = cosine / factor, np.copysign(1.0, w)
+        about = -sign / factor * u
+        found = _stretched(along, about, (1 - along) / square, u, turn.shape)
+        v = (2 * sign * factor * u).T
+        return v.reshape(*turn.shape[:-1], 3), found[..., :3]
+
+    def departing(self, x, v):
+        """The left Jacobian of the rotation vector."""
+        half = np.maximum(0.5 * np.sqrt(np.vecdot(v, v)).reshape(-1), 1e-12)
+        sine = np.sin(half)
+        turn = np.empty((4, len(half)))
+        turn[0], ratio = np.cos(half), sine / half
+        u = np.multiply(0.5 * ratio, v.reshape(-1, 3).T, out=turn[1:])
+        along = turn[0] * ratio
+        carry = _stretched(along, ratio * u, (1 - along) / (sine * sine), u, (*v.shape[:-1], 4))
+        return times(turn.T.reshape(*v.shape[:-1], 4), x), carry[..., :3]
 
     def slope(self, x, y, v):
         """Inverse left Jacobian of the rotation vector -v, that leads from y to x."""
@@ -120,7 +150,17 @@ class Rotations(Space):
                 )
             flip = right_multiplication(np.eye(4)["xyz".index(self.mirror) + 1])
             B = np.where(mirrored[..., None, None], B @ flip, B)
-        return B, np.zeros(4)
+        return B, 0.0
+
+    def moved(self, A, b, x, out):
+        """Rotation vectors are turned by A itself."""
+        if A.shape[-2:] != (3, 3):
+            return super().moved(A, b, x, out)
+        q, mirrored = of_matrices(A)
+        if mirrored.any():
+            return super().moved(A, b, x, out)
+        out[...] = times(q, x)
+        return A
 
     def turned(self, A, x, y):
         """Rotation (..., 3, 3) of rotation vectors: the columns of A, seen from the first."""
@@ -135,9 +175,47 @@ class Rotations(Space):
             or bool(np.abs(b).max() > 1e-6)
         )
 
+    def near_mean(self, weights, y, heaviest):
+        """Direction of the sum, of signs that agree with the heaviest."""
+        signed = np.copysign(weights, np.vecdot(y, heaviest[..., None, :]))
+        total = np.matmul(signed[..., None, :], y)[..., 0, :]
+        return total / np.sqrt(np.vecdot(total, total))[..., None]
+
     def centre(self, y, weights):
         """Direction of the widest spread: the chordal mean, whatever the signs."""
         return principal(y, weights)
+
+
+def _coordinates(turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cosine (n,) and vector (3, n) of quaternions: what is alike together in memory."""
+    columns = np.ascontiguousarray(turn.reshape(-1, 4).T)
+    return columns[0], columns[1:]
+
+
+def _stretched(along, about, across, u, shape) -> np.ndarray:
+    """``along I + [about] + across u u'``, and ``2 about`` beside it: (..., 3, 4).
+
+    Of numbers (n,) and vectors (3, n).
+    """
+    parts = np.empty((13, len(along)))
+    parts[0], parts[1:4] = along, about
+    np.multiply((across * u)[:, None], u, out=parts[4:].reshape(3, 3, -1))
+    return np.matmul(parts.T, _STRETCHED).reshape(*shape[:-1], 3, 4)
+
+
+def _table() -> np.ndarray:
+    """Of :func:`_stretched`, (13, 12)."""
+    found = np.zeros((13, 3, 4))
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        found[0, i, i], found[i + 1, i, 3] = 1.0, 2.0
+        found[i + 1, k, j], found[i + 1, j, k] = 1.0, -1.0
+        for j in range(3):
+            found[4 + 3 * i + j, i, j] = 1.0
+    return found.reshape(13, 12)
+
+
+_STRETCHED = _table()
 
 
 def _inverse_jacobian(v: np.ndarray, ratio: np.ndarray) -> np.ndarray:

@@ -11,11 +11,9 @@ def of_matrices(R: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     mirrored = np.linalg.det(R) < 0
     if mirrored.any():
         R = np.where(mirrored[..., None, None], -R, R)
-    outer = np.matmul(R.reshape(*R.shape[:-2], 1, 9), _OUTER)[..., 0, :] + _OUTER_OF_NONE
-    outer = outer.reshape(*R.shape[:-2], 4, 4)
-    largest = outer.diagonal(0, -2, -1).argmax(-1)
-    row = np.take_along_axis(outer, largest[..., None, None], -2)[..., 0, :]
-    return row / np.sqrt(np.vecdot(row, row))[..., None], mirrored
+    outer = (R.reshape(-1, 9) @ _OUTER + _OUTER_OF_NONE).reshape(-1, 4, 4)
+    row = outer[np.arange(len(outer)), outer.diagonal(0, -2, -1).argmax(-1)]
+    return (row / np.sqrt(np.vecdot(row, row))[:, None]).reshape(*R.shape[:-2], 4), mirrored
 
 
 def times(p: np.ndarray, q: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ import numpy as np
 from tpsim.archive import Part
 from tpsim.checks import choice, whole
 from tpsim.errors import ArgumentError
+from tpsim.manifold.unit import identity
 
 FARTHEST = 1e6
 """Angle [rad] beyond which too few digits are left of where it points."""
@@ -28,11 +29,16 @@ class Space(Part, ABC):
     ----------
     width, dim : int
         Columns of data, and tangent coordinates.
+    flat : bool
+        Whether it is R^n.
+    curved : bool
+        Whether its tangent spaces differ.
     """
 
     width: int
     dim: int
     flat: ClassVar[bool] = False
+    curved: ClassVar[bool] = False
 
     @abstractmethod
     def valid(self, name: str, y: np.ndarray) -> np.ndarray:
@@ -50,6 +56,10 @@ class Space(Part, ABC):
     def exp(self, x: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Point (..., width) to which a tangent vector at x leads."""
 
+    def stepped(self, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Where :meth:`exp` leads to second order: enough for steps that become none."""
+        return self.exp(x, v)
+
     @abstractmethod
     def transport(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Parallel transport (..., dim, dim) of coordinates at x to those at y."""
@@ -61,14 +71,31 @@ class Space(Part, ABC):
         Transport from x to y, stretched across the way by angle over sine.
         """
 
-    def seen(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Tangent vectors at x that lead to y, and :meth:`slope`."""
+    def linearised(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """:meth:`slope` and, in the last column, what it makes of v: (..., dim, dim + 1)."""
         v = self.log(x, y)
-        return v, self.slope(x, y, v)
+        slope = self.slope(x, y, v)
+        return np.concatenate([slope, slope @ v[..., None]], axis=-1)
+
+    def carrying(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Tangent vectors at x that lead to y, and the inverse of :meth:`slope`."""
+        v = self.log(x, y)
+        return v, np.linalg.inv(self.slope(x, y, v))
+
+    def departing(self, x: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Points to which tangent vectors at x lead, and what carries coordinates at x there."""
+        y = self.exp(x, v)
+        return y, self.carrying(y, x)[1]
 
     @abstractmethod
-    def lifted(self, A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def lifted(self, A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray | float]:
         """What a frame of the plane or of space does to the columns: (..., w, w) and (..., w)."""
+
+    def moved(self, A: np.ndarray, b: np.ndarray, x: np.ndarray, out: np.ndarray) -> np.ndarray:
+        """Tangent map (..., dim, dim) of a frame of the plane or of space, and images of points."""
+        A, b = self.lifted(A, b)
+        out[...] = np.matmul(A, x[..., None])[..., 0] + b
+        return self.turned(A, x, out)
 
     @abstractmethod
     def turned(self, A: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -77,6 +104,10 @@ class Space(Part, ABC):
     @abstractmethod
     def wrong(self, A: np.ndarray, b: np.ndarray) -> bool:
         """Whether a map of the columns leads off the manifold."""
+
+    def near_mean(self, weights: np.ndarray, y: np.ndarray, heaviest: np.ndarray) -> np.ndarray:
+        """Point (..., width) near the mean of few points (..., K, width): by default a heaviest."""
+        return heaviest
 
     @abstractmethod
     def centre(self, y: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -135,22 +166,29 @@ class Euclidean(Space):
 
     def transport(self, x, y):
         """Identity."""
-        return np.eye(self.size)
+        return identity(self.size)
 
     def slope(self, x, y, v):
         """Identity."""
-        return np.eye(self.size)
+        return identity(self.size)
 
     def lifted(self, A, b):
         """A and b themselves, A alone, or the identity."""
         if self.moves == "inputs":
-            return np.eye(self.size), np.zeros(self.size)
+            return identity(self.size), 0.0
         if A.shape[-1] != self.size:
             raise ArgumentError(
                 f"frames of dimension {A.shape[-1]} do not move R({self.size}); say "
                 f"R({self.size}, 'inputs') for what frames leave alone, such as time"
             )
-        return A, b if self.moves == "points" else np.zeros(self.size)
+        return A, b if self.moves == "points" else 0.0
+
+    def moved(self, A, b, x, out):
+        """Nothing changes inputs."""
+        if self.moves != "inputs":
+            return super().moved(A, b, x, out)
+        out[...] = x
+        return identity(self.size)
 
     def turned(self, A, x, y):
         """A itself."""
@@ -159,6 +197,10 @@ class Euclidean(Space):
     def wrong(self, A, b):
         """Whether A has no inverse."""
         return bool((np.abs(np.linalg.det(A)) < 1e-12 * np.abs(A).max((-2, -1)) ** self.size).any())
+
+    def near_mean(self, weights, y, heaviest):
+        """Weighted mean."""
+        return np.matmul(weights[..., None, :], y)[..., 0, :]
 
     def centre(self, y, weights):
         """Weighted mean."""
@@ -191,11 +233,11 @@ class Circle(Space):
 
     def transport(self, x, y):
         """Identity."""
-        return np.eye(1)
+        return identity(1)
 
     def slope(self, x, y, v):
         """Identity."""
-        return np.eye(1)
+        return identity(1)
 
     def lifted(self, A, b):
         """Turn by the heading of the frame's first axis, mirrored with it."""

@@ -26,6 +26,7 @@ class Sphere(Space):
 
     width: ClassVar[int] = 3  # type: ignore[misc]
     dim: ClassVar[int] = 2  # type: ignore[misc]
+    curved: ClassVar[bool] = True
 
     def __str__(self) -> str:
         return "S2"
@@ -71,7 +72,7 @@ class Sphere(Space):
         """A alone."""
         if A.shape[-1] != 3:
             raise ArgumentError(f"S2 is turned by frames of space, A of (3, 3); A is {A.shape}")
-        return A, np.zeros(3)
+        return A, 0.0
 
     def turned(self, A, x, y):
         """A between the axes at x and at its image y."""

@@ -1,8 +1,10 @@
 """Unit vectors: what directions and quaternions have in common."""
 
+from functools import lru_cache
+
 import numpy as np
 
-from tpsim.checks import place
+from tpsim.checks import frozen, place
 from tpsim.errors import ArgumentError
 
 
@@ -26,4 +28,17 @@ def unit(name: str, y: np.ndarray, what: str) -> np.ndarray:
 
 def not_orthonormal(A: np.ndarray) -> bool:
     """Whether A (..., n, n) is neither a rotation nor a reflection."""
-    return bool(np.abs(A @ A.mT - np.eye(A.shape[-1])).max() > 1e-6)
+    return off_orthonormal(A) > 1e-6
+
+
+def off_orthonormal(A: np.ndarray) -> float:
+    """Largest entry of A A' - I."""
+    square = A @ A.mT
+    square -= identity(A.shape[-1])
+    return float(np.maximum.reduce(np.abs(square, out=square), None, initial=0.0))
+
+
+@lru_cache(maxsize=64)
+def identity(size: int) -> np.ndarray:
+    """Identity (size, size), made once."""
+    return frozen(np.eye(size))

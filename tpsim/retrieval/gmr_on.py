@@ -13,7 +13,7 @@ from tpsim.checks import number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Dimensions, Gaussian, add_ridge
 from tpsim.learning.gmm import GMM
-from tpsim.manifold.gaussian import RiemannianGaussian, carried, split
+from tpsim.manifold.gaussian import RiemannianGaussian, shifted, split
 from tpsim.manifold.manifold import Factors, Manifold
 from tpsim.manifold.product import mixed
 from tpsim.retrieval.gmr import Regression
@@ -62,10 +62,10 @@ class RiemannianRegression(Regression):
         else:
             inputs, outputs = split(gaussians.manifold, given, of)
         rows = np.concatenate([inputs.rows, outputs.rows])
-        tangent = Gaussian.trusted(
-            np.zeros((*gaussians.mean.shape[:-1], len(rows))),
-            gaussians.covariance[..., rows[:, None], rows],
-        )
+        covariance = gaussians.covariance
+        if len(rows) < gaussians.dim or (rows[1:] < rows[:-1]).any():
+            covariance = covariance[..., rows[:, None], rows]
+        tangent = Gaussian.trusted(np.zeros(covariance.shape[:-1]), covariance)
         # In the tangent spaces it is the regression of R^n.
         plain = Regression.of(GMM.trusted(gmm.priors, tangent), tuple(range(len(inputs.rows))))
         covariance = plain.covariance
@@ -84,9 +84,10 @@ class RiemannianRegression(Regression):
 
     def __call__(self, inputs: ArrayLike) -> RiemannianGaussian:
         """Single Gaussian at inputs (..., I), Eqs 17-19."""
-        weights, modes = self.mixture(inputs)
+        weights, shift = self._components(inputs)
+        means, carry = self.outputs.work.departing(self.output_mean, shift)
         return RiemannianGaussian.trusted_on(
-            self.outputs, *mixed(self.outputs, weights, modes.mean, modes.covariance)
+            self.outputs, *mixed(self.outputs, weights, means, self.covariance, carry)
         )
 
     def at(self, point: ArrayLike) -> RiemannianGaussian:
@@ -100,11 +101,8 @@ class RiemannianRegression(Regression):
     def mixture(self, inputs: ArrayLike) -> tuple[NDArray, RiemannianGaussian]:
         """All modes at inputs (..., I), Eq. 13: weights (..., K) and Gaussian (..., K)."""
         weights, shift = self._components(inputs)
-        means = self.outputs.work.exp(self.output_mean, shift)
-        covariance = carried(self.outputs, self.output_mean, means, self.covariance)
-        shape = (*means.shape[:-1], *covariance.shape[-2:])
-        return weights, RiemannianGaussian.trusted_on(
-            self.outputs, means, np.broadcast_to(covariance, shape)
+        return weights, shifted(
+            self.outputs, self.output_mean, Gaussian.trusted(shift, self.covariance)
         )
 
     def _components(self, inputs: ArrayLike) -> tuple[NDArray, NDArray]:

@@ -15,8 +15,10 @@ from tpsim.tasks.cup_and_sugar import cup, home, sugar
 from tpsim.tasks.cup_and_sugar.study import cup_and_sugar
 from tpsim.tasks.cup_and_sugar.task import CupAndSugar
 from tpsim.tasks.pointing.pointers import spatial
+from tpsim.tasks.transfer import arrangement, docks
 from tpsim.tasks.transfer.task import Transfer
 from tpsim.tasks.workplace import Workplace, size_of, with_spare_joints
+from tpsim.world import rehearsal
 from tpsim.world.comfort import comfortable
 from tpsim.world.people.push import Push
 from tpsim.world.teaching import teach
@@ -97,17 +99,50 @@ def test_the_joints_that_are_free_while_pointing_complete_its_direction(name, fr
     assert abs(np.linalg.det(turned)) > 0.2
 
 
-def test_the_docks_of_transfer_go_with_the_arm(robot_of):
-    task = Transfer(robot="jaco")
-    robot_of("jaco")
-    robot = task.stage.robot
-    state = robot.at_home
-    assert state.pose("left_gripper").rotation[2, 2] == pytest.approx(-1, abs=1e-4)
+@pytest.mark.parametrize("name", ["jaco", "openarm"])
+def test_the_docks_of_transfer_go_with_the_arm(name, robot_of):
+    robot_of(name)
+    task = Transfer(robot=name)
+    robot, layout = task.stage.robot, task.layout
+    hand = robot.at_home.pose("left_gripper")
+    down = layout.rotation @ [0, 0, -1]
+    assert hand.rotation[:, 2] @ down > np.cos(0.4)
+    assert np.linalg.norm(hand.position - layout.middle(robot)) < 0.25 * task.size
+    assert robot.is_comfortable(robot.home)
     start = draw_situation(task, 0, 0)
     reach = anatomy.length(robot, "left_gripper")
     for path in start.objects:
         away = path.first.position - anatomy.shoulder(robot, "left_gripper")
         assert 0.3 * reach < np.linalg.norm(away) < 0.8 * reach
+
+
+def test_docks_that_are_tilted_keep_their_places_beside_each_other(dock_world):
+    robot = dock_world.robot
+    usual = docks.home(robot)
+    tilted = docks.home(robot, docks.Layout((0.1, 0.2, -0.3), 1.2))
+    for placed in (usual, tilted):
+        (R, p), (R_end, p_end) = placed["start"], placed["end"]
+        between = R.T @ (p_end - p)
+        turned = R.T @ R_end
+        if placed is usual:
+            expected = between, turned
+    np.testing.assert_allclose(between, expected[0], atol=1e-12)
+    np.testing.assert_allclose(turned, expected[1], atol=1e-12)
+    middle = (p + p_end) / 2 - sum(pose.position for pose in usual.values()) / 2
+    np.testing.assert_allclose(middle, [0.1, 0.2, -0.3], atol=1e-12)
+    # What pointed down points ahead.
+    np.testing.assert_allclose(R @ [0, 0, -1], [np.sin(1.2), 0, -np.cos(1.2)], atol=1e-12)
+
+
+def test_the_pace_is_that_at_which_no_joint_hurries(monkeypatch):
+    stage = Transfer().stage
+    monkeypatch.setattr(arrangement, "DRAWS", 3)
+    share, pace = arrangement.led(stage, docks.STANDARD)
+    assert share >= arrangement.ENOUGH * 2 / 3 and pace == 1.0
+    # Where joints may be half as fast, the way lasts about twice as long.
+    monkeypatch.setattr(rehearsal, "EASY", rehearsal.EASY / 2)
+    share, pace = arrangement.led(stage, docks.STANDARD)
+    assert share >= arrangement.ENOUGH * 2 / 3 and 1.6 < pace < 2.6
 
 
 def test_a_study_of_another_robot_is_made_anew():

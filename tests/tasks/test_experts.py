@@ -18,8 +18,8 @@ from tpsim.tasks.cup_and_sugar.study import cup_and_sugar
 from tpsim.tasks.pointing.experts import view
 from tpsim.tasks.pointing.pointers import PLANAR, planar_world
 from tpsim.tasks.transfer import docks
-from tpsim.tasks.transfer.experts import UNDERWAY, VIEW, Way, place
-from tpsim.tasks.transfer.task import MOVEMENT
+from tpsim.tasks.transfer.experts import Way, place
+from tpsim.tasks.transfer.experts import view as on_the_way
 from tpsim.world.object_path import ObjectPath
 
 CONTESTS = {name: study.contest for name in STUDIES if (study := load_study(name, STUDIES)).contest}
@@ -82,12 +82,12 @@ def test_the_expert_who_points_has_one_goal_after_another():
 def test_the_expert_who_carries_passes_the_poses_that_the_teacher_does(dock_world):
     placed = docks.draw(dock_world.robot, np.random.default_rng(0))
     rotations, positions = docks.via_poses(placed, 1.0)
-    times = np.linspace(docks.REST, MOVEMENT - docks.REST, 4)
+    times = np.linspace(docks.REST, docks.STANDARD.movement - docks.REST, 4)
     for time, R, p in zip(times, rotations, positions, strict=True):
         pose = place(placed, time)
         np.testing.assert_allclose(pose.rotation, R, atol=1e-9)
         np.testing.assert_allclose(pose.position, p, atol=1e-9)
-    before, after = place(placed, 0.0), place(placed, MOVEMENT + 1.0)
+    before, after = place(placed, 0.0), place(placed, docks.STANDARD.movement + 1.0)
     np.testing.assert_allclose(before.position, positions[0])
     np.testing.assert_allclose(after.position, positions[-1])
 
@@ -97,7 +97,7 @@ def test_docks_that_move_carry_the_way_along(dock_world):
     robot, h = dock_world.robot, 1e-5
     placed = docks.draw(robot, np.random.default_rng(1))
     v, w = np.array([0.1, -0.05, 0.2]), np.array([0.2, 0.1, -0.3])
-    still = robot.at(robot.home, objects=placed, time=UNDERWAY + 0.3)
+    still = robot.at(robot.home, objects=placed, time=2.3)
     moving = still.objects.moving(np.tile(np.concatenate([v, w]), (2, 1)))
     state = robot.at(robot.home, objects=moving, time=still.time)
     pose, twist = Way()(state)
@@ -106,4 +106,4 @@ def test_docks_that_move_carry_the_way_along(dock_world):
     np.testing.assert_allclose((there.position - pose.position) / h, twist[:3], atol=1e-3)
     turned = rotation.log(there.rotation @ pose.rotation.T) / h
     np.testing.assert_allclose(turned, twist[3:], atol=1e-3)
-    assert VIEW(state).value.shape == (6,)
+    assert on_the_way(docks.STANDARD.movement)(state).value.shape == (6,)

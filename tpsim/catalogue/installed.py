@@ -1,5 +1,6 @@
 """Robots of installed packages, whose files nobody here wrote."""
 
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -34,6 +35,30 @@ def jaco() -> Arms:
         torque_limit={"joint_[123]": 30.5, "joint_[456]": 6.8},
         velocity_limit={"joint_[123]": 0.63, "joint_[456]": 0.84},
     )
+
+
+_IDENTIFIED = {
+    # joint: friction [Nm], damping [Nms/rad], armature [kg m^2], torque limit [Nm]
+    "waist": (0.0, 5.76, 0.0, 35.0),
+    "shoulder": (2.0, 20.0, 0.395, 144.0),
+    "elbow": (1.15, 18.49, 0.383, 59.0),
+    "forearm_roll": (0.0, 6.78, 0.14, 22.0),
+    "wrist_angle": (0.0, 6.28, 0.008, 35.0),
+    "wrist_rotate": (0.0, 1.2, 0.0, 35.0),
+}
+"""Joints of Aloha's ViperX as MuJoCo Menagerie's model ``aloha`` states them."""
+
+
+def aloha() -> Arms:
+    """Aloha's two ViperX of gym-aloha with joints that a hand can move, as they are identified."""
+    arms = viperx()
+    spec = arms.file
+    assert isinstance(spec, mujoco.MjSpec)
+    for joint in spec.joints:
+        if (kind := joint.name.rpartition("/")[2]) in _IDENTIFIED:
+            joint.frictionloss, joint.damping[0], joint.armature, _ = _IDENTIFIED[kind]
+    limits = {f".*/{kind}": limit for kind, (*_, limit) in _IDENTIFIED.items()}
+    return replace(arms, torque_limit=limits)
 
 
 def viperx() -> Arms:

@@ -31,8 +31,16 @@ _ENTRIES = (
         "dm-control",
     ),
     Entry(
+        "aloha",
+        "Aloha's two ViperX 300, joints as they are identified",
+        "Apache-2.0 (gym-aloha, joints Menagerie's)",
+        lambda: installed.aloha().robot(),
+        "gym_aloha",
+        "gym-aloha",
+    ),
+    Entry(
         "viperx",
-        "Aloha's two ViperX 300, six joints each",
+        "Aloha's two ViperX 300 as gym-aloha ships them",
         "Apache-2.0 (gym-aloha)",
         lambda: installed.viperx().robot(),
         "gym_aloha",

@@ -19,7 +19,8 @@ from tpsim.task.task import draw_situation
 from tpsim.task.verbs import teach
 from tpsim.tasks.planar import on_the_floor
 from tpsim.tasks.transfer import docks
-from tpsim.tasks.transfer.task import Transfer, arm, lesson_between
+from tpsim.tasks.transfer.task import Transfer
+from tpsim.tasks.transfer.teacher import arm, lesson_between
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.push import Push
 from tpsim.world.reach import satisfy

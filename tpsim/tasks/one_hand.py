@@ -22,9 +22,17 @@ AHEAD = (0.52, 0.05, 0.0)
 
 
 def furnished(
-    robot: Robot, name: str, objects: Mapping[str, Placed], held: Mapping[str, Held]
+    robot: Robot,
+    name: str,
+    objects: Mapping[str, Placed],
+    held: Mapping[str, Held],
+    middle: np.ndarray | None = None,
+    home: np.ndarray | None = None,
 ) -> World:
     """World of a robot at a table, its hand at home ahead and pointing down.
+
+    Where the hand works about another ``middle`` (3,) [m], table and cameras go there; a ``home``
+    (n,) that was found for that is taken.
 
     Raises
     ------
@@ -37,13 +45,16 @@ def furnished(
             "describe its arms by lab.Arms, as docs/recipes/robot.md shows"
         )
     place = Workplace.of(robot)
+    lowest = np.inf if middle is None else float(middle[2])
     stage = world(
         robot,
-        objects=dict(objects) | place.furniture(),
+        objects=dict(objects) | place.furniture(lowest),
         held=held,
         floor=place.floor,
-        cameras=place.cameras(between(robot)),
+        cameras=place.cameras(between(robot) if middle is None else middle),
     )
+    if home is not None:
+        return stage.with_home(home)
     return stage if name == DEFAULT else stage.with_home(_home(stage, name))
 
 

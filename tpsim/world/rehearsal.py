@@ -1,5 +1,6 @@
 """Looking ahead: a person leads an arm only where it can go, and sees that before taking hold."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,26 +86,13 @@ class Rehearsed:
 def hindrance(world: World, lesson: Lesson) -> str:
     """What keeps the arm from following a lesson; nothing where it can."""
     robot, simulation = world.robot, world.simulation()
-    taught = np.array([joint not in lesson.held for joint in robot.joints])
-    q, stride = np.array(lesson.start, float), round(STEP / world.timestep)
-    for count, k in enumerate(range(0, round(lesson.duration / world.timestep), stride)):
-        state = robot.at(q)
-        asked = [
-            _asked(guide, state, k * world.timestep, world.timestep)
-            for guide in lesson.guides
-            if isinstance(guide, Guide)  # who drags, has gone already where the arm goes
-        ]
-        if any(behind for _, _, behind in asked):
+    for count, (q, share, behind) in enumerate(_followed(world, lesson)):
+        if behind:
             return "a hand stays behind"
-        J = np.concatenate([rows[:, taught] for rows, _, _ in asked])
-        velocity = np.concatenate([part for _, part, _ in asked])
-        sharing = state.mass[np.ix_(taught, taught)] + DAMPING * np.eye(taught.sum())
-        eased = np.linalg.solve(sharing, J.T)
-        dq = eased @ np.linalg.solve(J @ eased + LOCKED * np.eye(len(J)), velocity)
-        if (np.abs(dq) > EASY * robot.velocity_limit[taught]).any():
+        if share > EASY:
             return "a joint would be too fast"
-        q[taught] += STEP * dq
-        if min((q - robot.lower)[taught].min(), (robot.upper - q)[taught].min()) < MARGIN:
+        room = np.minimum(q - robot.lower, robot.upper - q)
+        if room[_taught(world, lesson)].min() < MARGIN:
             return "a joint comes near its limit"
         if count % CONTACT_STRIDE == 0:
             simulation.reset(q)
@@ -112,6 +100,43 @@ def hindrance(world: World, lesson: Lesson) -> str:
             if simulation.touches:
                 return f"{simulation.touching} touch"
     return ""
+
+
+def haste(world: World, lesson: Lesson) -> float:
+    """How many times as fast as is easy a lesson asks a joint to be, at most.
+
+    Shown so many times slower, it asks for ``EASY`` of the joints' speeds.
+    """
+    return max(share for _, share, _ in _followed(world, lesson)) / EASY
+
+
+def _taught(world: World, lesson: Lesson) -> np.ndarray:
+    """Which joints (n,) a lesson moves."""
+    return np.array([joint not in lesson.held for joint in world.robot.joints])
+
+
+def _followed(world: World, lesson: Lesson) -> Iterator[tuple[np.ndarray, float, bool]]:
+    """Postures (n,) of the arm that is led slowly, from the first after the start on.
+
+    Beside each the largest share of a joint's speed that it takes, and whether a hand is behind.
+    """
+    robot, taught = world.robot, _taught(world, lesson)
+    q, stride = np.array(lesson.start, float), round(STEP / world.timestep)
+    for k in range(0, round(lesson.duration / world.timestep), stride):
+        state = robot.at(q)
+        asked = [
+            _asked(guide, state, k * world.timestep, world.timestep)
+            for guide in lesson.guides
+            if isinstance(guide, Guide)  # who drags, has gone already where the arm goes
+        ]
+        J = np.concatenate([rows[:, taught] for rows, _, _ in asked])
+        velocity = np.concatenate([part for _, part, _ in asked])
+        sharing = state.mass[np.ix_(taught, taught)] + DAMPING * np.eye(taught.sum())
+        eased = np.linalg.solve(sharing, J.T)
+        dq = eased @ np.linalg.solve(J @ eased + LOCKED * np.eye(len(J)), velocity)
+        q[taught] += STEP * dq
+        share = float((np.abs(dq) / robot.velocity_limit[taught]).max())
+        yield q, share, any(behind for _, _, behind in asked)
 
 
 def _asked(

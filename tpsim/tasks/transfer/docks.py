@@ -5,11 +5,13 @@ three of position and three of rotation for each dock, all within -1 and 1 where
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from tpsim import rotation
+from tpsim.border import Point, Positive, checked
 from tpsim.pose import Pose
 from tpsim.robot import anatomy
 from tpsim.robot.robot import Robot
@@ -32,6 +34,9 @@ HOME = {"start": ((0.54, 0.22, 0.0), 2.83), "end": ((0.54, -0.12, 0.0), 0.45)}
 """Position from the shoulder, for an arm of size 1 [m], and heading [rad] of each dock: they open
 towards each other and the robot."""
 
+MIDDLE = np.mean([position for position, _ in HOME.values()], axis=0)
+"""Between both of them."""
+
 RANGE = np.array([0.045, 0.045, 0.035, 0.08, 0.08, 0.2])
 """Where a dock may be about home in taught situations, to both sides, for an arm of size 1: [m]
 and [rad]."""
@@ -52,7 +57,7 @@ SKILL = {"inside": (0.0015, 0.01), "outside": (0.005, 0.03)}
 """Standard deviations [m], [rad] with which the teacher meets a pose in a dock and before it."""
 
 SECONDS = (4.5, 5.5)
-"""The way between the docks lasts a time drawn from this range [s]."""
+"""The way between the docks lasts a time drawn from this range [s], where joints are fast."""
 
 REST = 0.5
 """Time [s] that the teacher's hand rests in each dock."""
@@ -73,16 +78,62 @@ Docks = Mapping[str, Pose]
 """Where each dock is in the world."""
 
 
-def home(robot: Robot) -> Docks:
+@dataclass(frozen=True)
+class Layout:
+    """Where both docks are for a robot's arm, beside ``HOME``, and how it is led between them.
+
+    Parameters
+    ----------
+    shift : (3,)
+        Of both docks, for an arm of size 1 [m].
+    tilt : float
+        Of both about the axis to the left, through their middle [rad]: the hand points down at
+        zero, and ahead at a right angle.
+    pace : float
+        How many times as long as ``SECONDS`` the way lasts, since joints are slow.
+    """
+
+    shift: Point = (0.0, 0.0, 0.0)
+    tilt: float = 0.0
+    pace: Positive = 1.0
+
+    def __post_init__(self) -> None:
+        checked(self)
+
+    @property
+    def rotation(self) -> np.ndarray:
+        """Of both docks (3, 3)."""
+        return rotation.exp([0.0, -self.tilt, 0.0])
+
+    @property
+    def movement(self) -> float:
+        """Time of the movement [s], as it is taught on average; its end then lasts."""
+        return self.pace * sum(SECONDS) / 2 + 2 * REST
+
+    def middle(self, robot: Robot) -> np.ndarray:
+        """Point (3,) between the docks [m]."""
+        shoulder = np.round(anatomy.shoulder(robot, GRIPPER), 2)
+        return np.asarray(shoulder + size_of(robot) * (np.array(self.shift) + MIDDLE))
+
+
+STANDARD = Layout()
+"""That of the default robot."""
+
+
+def home(robot: Robot, layout: Layout = STANDARD) -> Docks:
     """Docks in the middle of the taught range of a robot's arm."""
     size, shoulder = size_of(robot), np.round(anatomy.shoulder(robot, GRIPPER), 2)
-    return {
-        name: Pose(rotation.exp([0.0, 0.0, heading]), shoulder + size * np.array(position))
-        for name, (position, heading) in HOME.items()
-    }
+    R, found = layout.rotation, {}
+    for name, (position, heading) in HOME.items():
+        turned = (R - np.eye(3)) @ (np.array(position) - MIDDLE)
+        p = shoulder + size * (np.array(position) + turned + layout.shift)
+        found[name] = Pose(R @ rotation.exp([0.0, 0.0, heading]), p)
+    return found
 
 
-def draw(robot: Robot, rng: np.random.Generator, far: bool = False) -> Docks:
+def draw(
+    robot: Robot, rng: np.random.Generator, far: bool = False, layout: Layout = STANDARD
+) -> Docks:
     """Draw docks within the taught range; or ``FAR`` from it, in a direction drawn so."""
     displacement = rng.uniform(-1, 1, 12)
     if far:
@@ -90,9 +141,10 @@ def draw(robot: Robot, rng: np.random.Generator, far: bool = False) -> Docks:
         displacement *= FAR * taught / np.linalg.norm(displacement)
     docks, size = {}, size_of(robot)
     for (name, (R, p)), offset in zip(
-        home(robot).items(), displacement.reshape(2, 6) * RANGE, strict=True
+        home(robot, layout).items(), displacement.reshape(2, 6) * RANGE, strict=True
     ):
-        docks[name] = Pose(rotation.exp(offset[3:]) @ R, p + size * offset[:3])
+        turn, move = rotation.exp(layout.rotation @ offset[3:]), layout.rotation @ offset[:3]
+        docks[name] = Pose(turn @ R, p + size * move)
     return docks
 
 

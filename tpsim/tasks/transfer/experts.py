@@ -6,9 +6,9 @@ minimum-jerk path through these poses, which the docks carry along.
 """
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pinocchio as pin
@@ -25,7 +25,7 @@ from tpsim.study.expert import Expert, Gains, Range, tuned
 from tpsim.study.record import Record
 from tpsim.task.task import Situation, Task
 from tpsim.tasks.transfer import docks
-from tpsim.tasks.transfer.task import MOVEMENT, SEEN, Transfer
+from tpsim.tasks.transfer.task import SEEN, Transfer
 from tpsim.tasks.workplace import gains_of, size_of
 from tpsim.world.people.push import Push
 from tpsim.world.people.script import minimum_jerk
@@ -34,8 +34,8 @@ from tpsim.world.world import World
 PUSH, TRAVEL = 10.0, 0.05
 """Force of the pushes on the hand of an arm of size 1 [N], and how far it is led aside [m]."""
 
-UNDERWAY, ARRIVED = MOVEMENT / 2 - 1.0, MOVEMENT
-"""When the hand is pushed: half way between the docks, and in the second one [s]."""
+BEFORE = 1.0
+"""Time [s] before the middle of the movement at which the hand is pushed half way."""
 
 LASTS = 1.4
 """How long a push lasts [s]: that in the dock to the end of the trial."""
@@ -44,24 +44,31 @@ _STEP = 1e-4
 
 
 @cache
-def _shares() -> Any:
+def _shares(movement: float) -> Any:
     """Share (4,) of each via pose in the minimum-jerk curve through them, over time."""
-    times = np.linspace(docks.REST, MOVEMENT - docks.REST, 4)
+    times = np.linspace(docks.REST, movement - docks.REST, 4)
     return minimum_jerk(times, np.eye(4))
 
 
-def place(placed: docks.Docks, time: float, size: float = 1.0) -> Pose:
+def place(
+    placed: docks.Docks,
+    time: float,
+    size: float = 1.0,
+    movement: float = docks.STANDARD.movement,
+) -> Pose:
     """Where the hand of an arm of some size is to be at a time [s], for docks at some places."""
     rotations, positions = docks.via_poses(placed, size)
-    within = min(max(time, docks.REST), MOVEMENT - docks.REST)
-    share = _shares()(within)
+    within = min(max(time, docks.REST), movement - docks.REST)
+    share = _shares(movement)(within)
     turns = [pin.log3(turned) for turned in rotations @ rotations[0].T]
     return Pose(pin.exp3(share @ np.array(turns)) @ rotations[0], share @ positions)
 
 
 @dataclass(frozen=True)
 class Way:
-    """The way between two docks, wherever they are and go."""
+    """The way between two docks, wherever they are and go, in a ``movement`` [s]."""
+
+    movement: float = docks.STANDARD.movement
 
     def __call__(self, state: State) -> tuple[Pose, np.ndarray]:
         """Pose and twist at a state's time: the twist by a small step of time and docks."""
@@ -71,41 +78,44 @@ class Way:
             R, p, v, w = state.objects[name]
             soon[name] = Pose(pin.exp3(_STEP * w) @ R, p + _STEP * v)
         size = size_of(state.robot)
-        here, there = place(now, state.time, size), place(soon, state.time + _STEP, size)
+        here = place(now, state.time, size, self.movement)
+        there = place(soon, state.time + _STEP, size, self.movement)
         turned = pin.log3(there.rotation @ here.rotation.T)
         return here, np.concatenate([there.position - here.position, turned]) / _STEP
 
 
-VIEW = OnPath(docks.GRIPPER, Way())
-"""How far the gripper is from its way."""
+def view(movement: float) -> OnPath:
+    """How far the gripper is from its way in a movement of some time [s]."""
+    return OnPath(docks.GRIPPER, Way(movement))
 
 
-def _cartesian(world: World, situation: Situation, gains: Gains) -> CartesianImpedance:
+def _cartesian(way: OnPath, world: World, situation: Situation, gains: Gains) -> CartesianImpedance:
     stiffness = np.repeat([gains["position"], gains["orientation"]], 3)
     return CartesianImpedance(
-        [Spring(VIEW, stiffness)],
+        [Spring(way, stiffness)],
         np.array(situation.start),
         posture_stiffness=gains["posture"],
         damping=gains["damping"],
     )
 
 
-def _osc(world: World, situation: Situation, gains: Gains) -> OperationalSpace:
+def _osc(way: OnPath, world: World, situation: Situation, gains: Gains) -> OperationalSpace:
     aims = [
-        Aim(VIEW, np.repeat([gains["position"], gains["orientation"]], 3), None, gains["damping"])
+        Aim(way, np.repeat([gains["position"], gains["orientation"]], 3), None, gains["damping"])
     ]
     start = np.array(situation.start)
     return OperationalSpace(aims, start, posture_gain=gains["posture"], damping=gains["damping"])
 
 
-def _computed(world: World, situation: Situation, gains: Gains) -> ComputedTorque:
+def _computed(way: OnPath, world: World, situation: Situation, gains: Gains) -> ComputedTorque:
     start = np.array(situation.start)
-    way = InverseKinematics([Aim(VIEW, CLOSING)], start, start)
-    return ComputedTorque(way, gains["joints"], damping=gains["damping"])
+    joints = InverseKinematics([Aim(way, CLOSING)], start, start)
+    return ComputedTorque(joints, gains["joints"], damping=gains["damping"])
 
 
-def experts(gains: Path) -> dict[str, Expert]:
-    """Experts for the way between the docks, with the gains of a file."""
+def experts(gains: Path, movement: float) -> dict[str, Expert]:
+    """Experts for the way between the docks in a time [s], with the gains of a file."""
+    way = view(movement)
     damping, posture = Range(0.5, 1.5), Range(1.0, 30.0, "1/s^2")
     inertial = Range(20.0, 4000.0, "1/s^2")
     found = {
@@ -116,7 +126,7 @@ def experts(gains: Path) -> dict[str, Expert]:
                 "posture": posture,
                 "damping": damping,
             },
-            _cartesian,
+            partial(_cartesian, way),
         ),
         "osc": Expert(
             {
@@ -125,9 +135,9 @@ def experts(gains: Path) -> dict[str, Expert]:
                 "posture": posture,
                 "damping": damping,
             },
-            _osc,
+            partial(_osc, way),
         ),
-        "computed": Expert({"joints": inertial, "damping": damping}, _computed),
+        "computed": Expert({"joints": inertial, "damping": damping}, partial(_computed, way)),
     }
     return tuned(found, gains)
 
@@ -135,7 +145,7 @@ def experts(gains: Path) -> dict[str, Expert]:
 def _pushes(task: Task, situation: Situation, rng: np.random.Generator) -> list[Push]:
     """One half way, one in the second dock to the end."""
     found = []
-    for start in (UNDERWAY, ARRIVED):
+    for start in _pushed(task):
         force = rng.standard_normal(3)
         force *= PUSH * size_of(task.stage.robot) / np.linalg.norm(force)
         found.append(Push(docks.GRIPPER, tuple(force.tolist()), start=start, duration=LASTS))
@@ -146,18 +156,25 @@ def _lead(task: Task, situation: Situation, rng: np.random.Generator) -> Lead:
     """The hand off its way, half way between the docks."""
     travel = rng.standard_normal(3)
     travel *= TRAVEL * size_of(task.stage.robot) / np.linalg.norm(travel)
-    return Lead(docks.GRIPPER, (0, 0, 0), tuple(travel.tolist()), UNDERWAY, 1.2, 0.5)
+    return Lead(docks.GRIPPER, (0, 0, 0), tuple(travel.tolist()), _pushed(task)[0], 1.2, 0.5)
 
 
-def _is_underway(push: Push) -> bool:
+def _pushed(task: Task) -> tuple[float, float]:
+    """When the hand is pushed: half way between the docks, and in the second one [s]."""
+    movement = cast(Transfer, task).layout.movement
+    return movement / 2 - BEFORE, movement
+
+
+def _is_underway(task: Transfer, push: Push) -> bool:
     """Whether a push is one that the hand may give way to: in the dock it should not."""
-    return push.start < ARRIVED
+    return push.start < task.layout.movement
 
 
 def _at_the_end(part: str, scale: float):  # type: ignore[no-untyped-def]
     def error(record: Record) -> float:
         value = np.linalg.norm(record.see(SEEN["end", part]), axis=1)
-        return scale * float(value[record.trial.time >= ARRIVED].max())
+        arrived = cast(Transfer, record.task).layout.movement
+        return scale * float(value[record.trial.time >= arrived].max())
 
     return error
 
@@ -175,11 +192,11 @@ def contest(task: Transfer) -> Contest:
         ERRORS,
         _pushes,
         _lead,
-        experts(gains),
+        experts(gains, task.layout.movement),
         gains,
         yielding=YIELDING * task.size,
         tuning_situations=1,
-        counts=_is_underway,
+        counts=partial(_is_underway, task),
     )
 
 

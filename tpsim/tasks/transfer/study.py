@@ -16,8 +16,8 @@ from tpsim.study.record import Record, Records
 from tpsim.study.study import Lab, Phases, Plan, Study
 from tpsim.task.task import Situation, draw_situation
 from tpsim.tasks.transfer import docks, experts, pictures
-from tpsim.tasks.transfer.task import SEEN, Transfer, lesson_between
-from tpsim.tasks.workplace import size_of
+from tpsim.tasks.transfer.task import SEEN, Transfer
+from tpsim.tasks.transfer.teacher import lesson_between
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.hold import Hold
 from tpsim.world.people.push import Push
@@ -30,7 +30,7 @@ PUSH = 10.0
 """Force on the hand of an arm of size 1 [N], for two seconds."""
 
 PUSHED = (1.0, 3.5)
-"""A push begins at a time drawn from this range [s]."""
+"""A push begins at a time drawn from this range [s]; these and all times go with the pace."""
 
 MOVED = (2.0, 4.0)
 """When docks that move leave their place, and are in another [s]."""
@@ -51,6 +51,7 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
     """Every situation beside the teacher's own way, moved and pushed; and others, far away."""
     task, found = lab.task, []
     assert isinstance(task, Transfer)
+    pace = task.layout.pace
     for index in range(plan.situations):
         near = draw_situation(task, plan.seed, index)
         far = draw_situation(task, plan.seed, index, partial(task.situation, far=True))
@@ -58,14 +59,14 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
         found += [
             Condition("unpushed", near),
             Condition("taught", near, shown="transfer"),
-            Condition("moved", _moved(near, docks.draw(lab.world.robot, rng))),
+            Condition("moved", _moved(near, _elsewhere(task, rng), pace)),
             Condition("far", far),
-            *_seen(task.perception, near, index),
+            *_seen(task.perception, near, index, pace),
         ]
         for k in range(plan.pushes):
             label, situation = ("far pushed", far) if k % 2 else ("pushed", near)
-            found.append(Condition(label, situation, push=(_push(rng, size_of(lab.world.robot)),)))
-        start = float(plan.rng(_HOLDS, index).uniform(*HELD))
+            found.append(Condition(label, situation, push=(_push(rng, task.size, pace),)))
+        start = pace * float(plan.rng(_HOLDS, index).uniform(*HELD))
         hold = (Hold(docks.GRIPPER, start, HOLD),)
         for name in BY:
             found.append(Condition("unpushed", near, name))
@@ -73,24 +74,31 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
     yield found
 
 
-def _seen(perception: Perception, situation: Situation, index: int) -> list[Condition]:
+def _elsewhere(task: Transfer, rng: np.random.Generator) -> docks.Docks:
+    """Where docks move to."""
+    return docks.draw(task.stage.robot, rng, layout=task.layout)
+
+
+def _seen(perception: Perception, situation: Situation, index: int, pace: float) -> list[Condition]:
     """The situation as a camera sees it, and with the second dock hidden for a while."""
     own = replace(perception, seed=perception.seed + index)
-    hidden = replace(own, occluded=(*own.occluded, (docks.NAMES[1], *HIDDEN)))
+    since, until = HIDDEN
+    gone = docks.NAMES[1], pace * since, pace * until
+    hidden = replace(own, occluded=(*own.occluded, gone))
     return [
         Condition("seen", situation, plant=Plant(perception=own)),
         Condition("hidden", situation, plant=Plant(perception=hidden)),
     ]
 
 
-def show(world: World, condition: Condition, rng: np.random.Generator) -> Lesson:
+def show(world: World, condition: Condition, rng: np.random.Generator, pace: float = 1.0) -> Lesson:
     """How the teacher would carry in the situation of a condition."""
     situation = condition.situation
     placed = docks.at_start(situation.objects)
-    return lesson_between(world, placed, np.array(situation.start), rng)
+    return lesson_between(world, placed, np.array(situation.start), rng, pace=pace)
 
 
-def _moved(situation: Situation, elsewhere: docks.Docks) -> Situation:
+def _moved(situation: Situation, elsewhere: docks.Docks, pace: float) -> Situation:
     """The situation with both docks on their way to another one while the arm carries."""
     moving = []
     for path in situation.objects:
@@ -100,17 +108,17 @@ def _moved(situation: Situation, elsewhere: docks.Docks) -> Situation:
             ObjectPath(
                 path.name,
                 (path.positions[0], tuple(there.position.tolist())),
-                MOVED,
+                (pace * MOVED[0], pace * MOVED[1]),
                 (path.quaternions[0], tuple(there.quaternion.tolist())),
             )
         )
     return replace(situation, objects=tuple(moving))
 
 
-def _push(rng: np.random.Generator, size: float) -> Push:
+def _push(rng: np.random.Generator, size: float, pace: float) -> Push:
     force = rng.standard_normal(3)
     force *= PUSH * size / np.linalg.norm(force)
-    return Push(docks.GRIPPER, tuple(force.tolist()), start=float(rng.uniform(*PUSHED)))
+    return Push(docks.GRIPPER, tuple(force.tolist()), start=pace * float(rng.uniform(*PUSHED)))
 
 
 def path_rms(record: Record) -> float | None:
@@ -248,7 +256,7 @@ def study(task: Transfer) -> Study:
         controllers=fixed_gains(compared.experts["computed"]) | by_progress(task),
         conditions=conditions,
         contest=compared,
-        show=show,
+        show=partial(show, pace=task.layout.pace),
         of=study,
         title="Transfer between two docks",
         lead=(

@@ -8,12 +8,11 @@ tracked by the LQT of all frames at once over the finite horizon (Eq. 38), where
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import partial
 from typing import ClassVar, Literal
 
 import numpy as np
 
-from tpsim.catalogue.robots import find
 from tpsim.control.poses import SeenMovement
 from tpsim.controllers.finite_horizon import FiniteHorizon
 from tpsim.demonstration import Demonstration
@@ -26,24 +25,21 @@ from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.pose import Pose
 from tpsim.retrieval.gmr import gmr
 from tpsim.robot.indices import Chain
-from tpsim.robot.robot import Robot
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Object, Site
-from tpsim.scene.compose import Held, Placed
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
-from tpsim.tasks.one_hand import furnished
 from tpsim.tasks.transfer import docks
-from tpsim.tasks.workplace import DEFAULT, size_for, size_of
-from tpsim.world.object_path import put_objects
+from tpsim.tasks.transfer.arrangement import arranged, furnished_with_docks
+from tpsim.tasks.transfer.teacher import arm, lesson, lesson_between
+from tpsim.tasks.workplace import DEFAULT, size_for
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
 from tpsim.world.perception import Perception
 from tpsim.world.rehearsal import hindrance
-from tpsim.world.teaching import Lesson
 from tpsim.world.trial import Trial
 from tpsim.world.world import World
 
-MOVEMENT = sum(docks.SECONDS) / 2 + 2 * docks.REST
-"""Time of the movement [s], as it was taught on average; its end then lasts."""
+LASTS = 1.5
+"""Time [s] for which a trial goes on when the movement is over."""
 
 DT = 0.03
 """Time step of the plan [s]."""
@@ -115,7 +111,6 @@ class Transfer(Task):
     teacher: TeacherName = "firm"
     perception: Perception = Perception()  # noqa: RUF009 - a frozen value
 
-    duration: ClassVar[float] = MOVEMENT + 1.5
     demonstrations: ClassVar[int] = 12
 
     @property
@@ -123,9 +118,19 @@ class Transfer(Task):
         """Of the arm, beside the default robot's."""
         return size_for(self.robot, lambda: self.stage)
 
+    @property
+    def layout(self) -> docks.Layout:
+        """Where the docks are for this arm, and how fast it is led."""
+        return arranged(self.robot).layout
+
+    @property
+    def duration(self) -> float:  # type: ignore[override]  # slow arms take longer
+        """Of the movement, and a while in which its end lasts [s]."""
+        return self.layout.movement + LASTS
+
     def world(self) -> World:
         """The robot with a sugar cube in its left hand, and two docks."""
-        return _world(self.robot)
+        return furnished_with_docks(self.robot)
 
     def sites(self) -> dict[str, str]:
         """The hand that carries, and its elbow."""
@@ -133,12 +138,12 @@ class Transfer(Task):
 
     def behaviours(self) -> Mapping[str, Behaviour]:
         """One movement, seen from both docks."""
-        shown = partial(lesson, teacher=self.teacher)
+        shown = partial(lesson, teacher=self.teacher, layout=self.layout)
         return {"transfer": Behaviour(VIEWS, shown, self._fit, GOALS, CUTOFF[self.teacher])}
 
     def _fit(self, seen: Sequence[Demonstration]) -> TPGMM:
         """A TP-GMM over time and all frames, of demonstrations brought onto one time."""
-        clock = np.linspace(0.0, MOVEMENT, self.samples)
+        clock = np.linspace(0.0, self.layout.movement, self.samples)
         views = [demonstration.resampled(self.samples) for demonstration in seen]
         aligned = align(views, by="frames", band=self.warp * self.samples)
         timed = [view.with_time(clock) for view in aligned]
@@ -150,10 +155,11 @@ class Transfer(Task):
         Far away not every draw can be carried out by anybody: one that the teacher's hand could
         lead the arm through is asked for.
         """
-        placed = docks.draw(world.robot, rng, far)
+        placed = docks.draw(world.robot, rng, far, self.layout)
         start = docks.start_posture(world, placed, rng)
         if far:
-            why = hindrance(world, lesson_between(world, placed, start, rng, self.teacher))
+            pace = self.layout.pace
+            why = hindrance(world, lesson_between(world, placed, start, rng, self.teacher, pace))
             if why:
                 raise SimulationError(f"the teacher cannot carry between these docks: {why}")
         return Situation(tuple(start), docks.at_rest(placed))
@@ -161,7 +167,8 @@ class Transfer(Task):
     def controller(self, world: World, models: Models, situation: Situation) -> FiniteHorizon:
         """GMR over time in every frame, then LQT of all of them."""
         model = models["transfer"]
-        times = np.linspace(0.0, MOVEMENT, round(MOVEMENT / DT) + 1)
+        movement = self.layout.movement
+        times = np.linspace(0.0, movement, round(movement / DT) + 1)
         *seen, posture = (gmr(GMM(model.priors, frame), times) for frame in model.frames)
         movements = []
         for name, *parts in zip(docks.NAMES, seen[::2], seen[1::2], strict=True):
@@ -203,57 +210,3 @@ def stays(model: TPGMM, times: np.ndarray) -> SemiMarkovChain:
     """Which of a model's components are passed in turn at times (T,), and for how many of them."""
     component = GMM(model.priors, model.frames[0].marginal([0])).responsibilities(times[:, None])
     return SemiMarkovChain.along(component.argmax(1))
-
-
-def lesson(world: World, rng: np.random.Generator, teacher: TeacherName = "firm") -> Lesson:
-    """Draw docks within the taught range, and how a person carries between them."""
-    placed = docks.draw(world.robot, rng)
-    return lesson_between(world, placed, docks.start_posture(world, placed, rng), rng, teacher)
-
-
-def lesson_between(
-    world: World,
-    placed: docks.Docks,
-    start: np.ndarray,
-    rng: np.random.Generator,
-    teacher: TeacherName = "firm",
-) -> Lesson:
-    """How a person carries between given docks."""
-    seconds = rng.uniform(*docks.SECONDS)
-    guide = docks.guide(world, placed, seconds, rng, teacher)
-    carries = arm(world.robot, docks.GRIPPER)
-    held = tuple(joint for joint in world.robot.joints if joint not in carries)
-    return Lesson(start, (guide,), seconds + 2 * docks.REST, held, docks.at_rest(placed))
-
-
-def arm(robot: Robot, site: str) -> tuple[str, ...]:
-    """Joints of the arm of a hand."""
-    return tuple(robot.joints[i] for i in robot.chain(site))
-
-
-@lru_cache(maxsize=4)
-def _world(name: str) -> World:
-    """The world of a robot with its docks: solid, unless its hand is too wide for them."""
-    robot = find(name)
-    held = {"sugar": Held("sugar", docks.GRIPPER, (0, 0, 0.006))}
-    size = size_of(robot)
-    for solid in (True, False):
-        objects = {
-            dock: Placed("dock", tuple(pose.position.tolist()), size=size, solid=solid)
-            for dock, pose in docks.home(robot).items()
-        }
-        found = furnished(robot, name, objects, held)
-        if _fits(found):
-            break
-    return found
-
-
-def _fits(world: World) -> bool:
-    """Whether the hand is in the first dock without touching it."""
-    simulation, placed = world.simulation(), docks.home(world.robot)
-    try:
-        simulation.reset(docks.start_posture(world, placed, np.random.default_rng(0)))
-    except SimulationError:
-        return True  # so far away nothing is said about its size
-    put_objects(docks.at_rest(placed), simulation)
-    return not simulation.touches

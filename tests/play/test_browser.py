@@ -185,7 +185,7 @@ def test_a_demonstration_without_a_hand_is_explained_in_the_page(tab, page, unti
     tab.get_by_role("button", name="Start a demonstration").click()
     until(lambda: page.session.armed, "the demonstration to wait for a hand")
     tab.get_by_role("button", name="Stop").click()
-    tab.get_by_text("nothing was shown yet").wait_for()
+    tab.get_by_text("Nothing was recorded").wait_for()
 
 
 def test_a_page_loaded_anew_has_lost_nothing(tab, page, until):

@@ -186,9 +186,7 @@ class Charts:
             found[..., columns] = space.near_mean(weights, y[..., columns], heaviest[..., columns])
         return found
 
-    def moved(
-        self, A: np.ndarray, b: np.ndarray, x: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def moved(self, A: np.ndarray, b: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Images (..., width) of points under frames A (..., n, n), b (..., n), and tangent maps.
 
         The latter (..., dim, dim) lead from the points to their images.

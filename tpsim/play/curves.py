@@ -88,7 +88,9 @@ class Curves:
         self._notes.append(row)
 
     def draw(self) -> None:
-        """Show what was noted."""
+        """Show what was noted; while it is taught, errors of the task say nothing."""
+        if self._goals:
+            self._plots[0].visible = self._session.mode == "perform"
         if len(self._notes) < 2:
             return
         columns = np.array(self._notes).T

@@ -16,9 +16,10 @@ from tpsim.play.lessons import Learned, Lessons
 from tpsim.play.panels.learning import LearningPanel
 from tpsim.play.panels.performing import PerformingPanel
 from tpsim.play.panels.teaching import TeachingPanel
-from tpsim.play.session import Session
+from tpsim.play.session import LONGEST, Session
 from tpsim.play.shelf import Shelf
 from tpsim.play.stage import Picture, Stage
+from tpsim.task.acceptance import worded
 
 FRAMES = 33.0
 """Pictures per second."""
@@ -169,12 +170,27 @@ class Page:
             due = max(due + 1 / FRAMES, time.monotonic() - 0.1)
             self._ended.wait(max(0.002, due - time.monotonic()))
 
+    def _shown(self) -> str:
+        """How far what is shown is from what the behaviour asks for, now."""
+        session = self.session
+        goals, state = session.task.behaviours()[session.behaviour].goals, session.going.state
+        return "".join(
+            "  \n" + worded(state.robot, name, goal, float(np.linalg.norm(goal.view(state).value)))
+            for name, goal in goals.items()
+            if goal.since <= 0.0 and goal.until == np.inf
+        )
+
     def _words(self) -> str:
         session = self.session
-        if session.recording:
-            what = "**● Recording** " + ("the demonstration" if session.mode == "teach" else "")
+        if session.recording and session.mode == "teach":
+            what = f"**● Recording** {session.behaviour}, {LONGEST:g} s at most{self._shown()}"
+        elif session.recording:
+            what = "**● Recording**"
         elif session.armed:
-            what = "**Take a hand of the robot and lead it.** Recording starts when you do."
+            what = (
+                f"**{self._teaching.asked()}** Pull a gripper, or an arrow on it. "
+                "Recording starts when you do."
+            )
         elif session.mode == "teach":
             what = "**Weightless.** Drag the hands; drag objects to where you want them."
         else:

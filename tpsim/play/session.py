@@ -61,9 +61,9 @@ class Session:
         ``"teach"`` or ``"perform"``.
     controller : str
         Which of the study's controllers performs.
+    behaviour : str
     going : Rollout
         What goes on.
-    hands : Hands
     speed : float
         Simulated over real time; 0 where it is paused.
     ended : Recorded, optional
@@ -84,7 +84,7 @@ class Session:
         self.situation = draw_situation(self.task, self.seed, self.index)
         self.recorded: Recorded | None = None
         self.ended: Recorded | None = None
-        self.armed, self._behaviour = False, ""
+        self.armed, self.behaviour = False, ""
         self.beside: Rollout | None = None
         self._begin_performance()
 
@@ -145,6 +145,7 @@ class Session:
 
     def reset(self) -> None:
         """Begin the situation again, with all where it was at first."""
+        self.armed = False
         if self.mode == "teach":
             self._begin(Weightless(self.world.robot), self.situation.start, self.situation.objects)
         else:
@@ -192,7 +193,7 @@ class Session:
         if self.mode != "teach":
             self.teach()
         self.hands.all_let_go()
-        self._behaviour, self.armed, self.recorded = behaviour, True, None
+        self.behaviour, self.armed, self.recorded = behaviour, True, None
 
     # Recording
 
@@ -205,17 +206,17 @@ class Session:
 
     def stop(self) -> Recorded:
         """End the recording or the demonstration; what came of it is in ``recorded``, too."""
+        if self.armed and not self.recording:
+            self.armed = False
+            raise ArgumentError("nothing was shown yet: take hold of a hand and lead it")
         if not self.recording:
-            if self.armed:
-                self.armed = False
-                raise ArgumentError("nothing was shown yet: take hold of a hand and lead it")
             raise ArgumentError("nothing is being recorded; start a recording first")
         start, drags = tuple(self._start.tolist()), self.hands.values()
         situation = replace(self.situation, start=start, objects=self.led.paths())
         showed = self.mode == "teach"
         name, controller = ("shown", "") if showed else ("played", self.controller)
         found = Condition(name, situation, controller, drag=drags, duration=self.time)
-        self.recorded = Recorded(self.going.trial(), found, self._behaviour if showed else "")
+        self.recorded = Recorded(self.going.trial(), found, self.behaviour if showed else "")
         self.armed = self.going.recorded = False
         return self.recorded
 

@@ -32,10 +32,14 @@ def refusal(robot: Robot, trial: Trial, goals: Mapping[str, Goal]) -> Refusal | 
     for name, error in errors(robot, trial, goals).items():
         worst, goal = float(np.nanmax(np.append(error, -np.inf))), goals[name]
         if worst > goal.within:
-            unit, scale = _read(robot, goal.view)
-            found, allowed = scale * worst, scale * goal.within
-            return Refusal(name, f"{name} {found:.3g} {unit}, {allowed:.3g} allowed")
+            return Refusal(name, worded(robot, name, goal, worst))
     return None
+
+
+def worded(robot: Robot, name: str, goal: Goal, error: float) -> str:
+    """An error [SI unit of the goal's view] in words, beside what is allowed."""
+    unit, scale = _read(robot, goal.view)
+    return f"{name} {scale * error:.3g} {unit}, {scale * goal.within:.3g} allowed"
 
 
 def _read(robot: Robot, view: View) -> tuple[str, float]:

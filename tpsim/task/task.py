@@ -101,6 +101,8 @@ class Behaviour:
     cutoff : float, optional
         Frequency [Hz] up to which movements are learned from, :func:`~tpsim.learning.low_pass`;
         above the tremor of people's hands nothing is left. All frequencies by default.
+    asks : str
+        What a person is asked to show, in a sentence.
     """
 
     views: Mapping[str, View]
@@ -108,6 +110,7 @@ class Behaviour:
     fit: Fit = field(default=partial(fit_tp_gmm, components=1))
     goals: Mapping[str, Goal] = field(default_factory=dict)
     cutoff: float | None = None
+    asks: str = ""
 
 
 class Task(ABC):

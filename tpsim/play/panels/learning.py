@@ -27,18 +27,18 @@ class LearningPanel:
     def __init__(self, page: "Page"):
         self._page, gui = page, page.server.gui
         task = page.session.task
-        self._components = None
-        if any(field.name == "components" for field in fields(task)):  # type: ignore[arg-type]
-            usual = int(task.components)  # type: ignore[attr-defined]
-            self._components = gui.add_slider("Components", 1, max(12, usual), 1, usual)
-        self._frames = {}
-        for name, behaviour in task.behaviours().items():
-            with gui.add_folder(f"Frames of {name}"):
-                for view in behaviour.views:
-                    self._frames[name, view] = gui.add_checkbox(view, True)
         self._button = gui.add_button("Learn from what was shown", icon=viser.Icon.SCHOOL)
         self._button.on_click(page.guarded(self._learn))
         self._said = gui.add_markdown("")
+        self._components, self._frames = None, {}
+        with gui.add_folder("How", expand_by_default=False):
+            if any(field.name == "components" for field in fields(task)):  # type: ignore[arg-type]
+                usual = int(task.components)  # type: ignore[attr-defined]
+                self._components = gui.add_slider("Components", 1, max(12, usual), 1, usual)
+            for name, behaviour in task.behaviours().items():
+                with gui.add_folder(f"Frames of {name}"):
+                    for view in behaviour.views:
+                        self._frames[name, view] = gui.add_checkbox(view, True)
         self._shapes = gui.add_checkbox("Show ellipsoids in the scene", False)
         self._shapes.on_update(page.guarded(self._draw))
         # Plotly is 5 MB for every browser: not before somebody wants it.
@@ -78,7 +78,8 @@ class LearningPanel:
             likelihood = learned.log_likelihood.get(name)
             words = "" if likelihood is None else f", log-likelihood {likelihood:.1f}"
             rows.append(f"**{name}** from {count} demonstrations ({whose}){words}")
-        self._said.content = "  \n".join(rows)
+        by_hand = "The robot performs it now: drag any part to push it." if learned.by_hand else ""
+        self._said.content = "  \n".join([*rows, by_hand])
         self._plot()
         self._draw()
 

@@ -9,6 +9,7 @@ from tpsim.play.hands import Others
 from tpsim.play.lessons import FEWEST
 from tpsim.play.panels.frames import FramePlot
 from tpsim.play.recording import Recorded
+from tpsim.play.session import LONGEST
 from tpsim.plot.style import PALETTE
 
 if TYPE_CHECKING:
@@ -31,9 +32,9 @@ class TeachingPanel:
     def __init__(self, page: "Page"):
         self._page, gui = page, page.server.gui
         behaviours = tuple(page.session.task.behaviours())
-        self._free = gui.add_button("Make the arms weightless", icon=viser.Icon.FEATHER)
-        self._free.on_click(page.guarded(self._teach))
         self._behaviour = gui.add_dropdown("Show", behaviours, hint="Behaviours are shown apart")
+        self._behaviour.on_update(page.guarded(self.refresh))
+        self._asks = gui.add_markdown("")
         self._others = gui.add_dropdown("Other hand", OTHERS, hint="While one is led")
         self._others.on_update(page.guarded(self._choose))
         self._show = gui.add_button("Start a demonstration", icon=viser.Icon.PLAYER_RECORD)
@@ -42,11 +43,16 @@ class TeachingPanel:
         self._keep.on_click(page.guarded(self._keep_it))
         self._drop = gui.add_button("Throw it away", icon=viser.Icon.TRASH, visible=False)
         self._drop.on_click(page.guarded(self._drop_it))
+        self._said = gui.add_markdown("")
+        self._back = gui.add_button("Back to the start", icon=viser.Icon.PLAYER_TRACK_PREV)
+        self._back.on_click(page.guarded(self._begin_again))
+        self._free = gui.add_button("Make the arms weightless", icon=viser.Icon.FEATHER)
+        self._free.on_click(page.guarded(self._teach))
         self._last = gui.add_button("Throw the last kept away", icon=viser.Icon.TRASH)
         self._last.on_click(page.guarded(self._drop_last))
-        self._said = gui.add_markdown("")
         self._frame_plot = FramePlot(gui, page.session.task)
         self._pending: Recorded | None = None
+        self._note = ""
         self._gizmos = {
             site: self._gizmo(name, site) for name, site in page.session.world.robot.hands.items()
         }
@@ -61,11 +67,19 @@ class TeachingPanel:
         self._show.label = "Stop" if showing else "Start a demonstration"
         self._show.color = "red" if showing else None
         self._free.visible = session.mode != "teach"
+        self._back.visible = session.mode == "teach" and not session.recording
+        self._asks.content = self.asked()
         self._keep.visible = self._drop.visible = self._pending is not None
         self._last.disabled = not any(shown.values())
         rows = [f"{name}: {len(found)} shown" for name, found in shown.items()]
-        words = "" if self._pending is None else self._verdict(self._pending) + "\n\n"
+        words = self._note if self._pending is None else self._verdict(self._pending)
+        words += "\n\n" if words else ""
         self._said.content = words + "  \n".join(rows) + f"  \n{FEWEST} of a behaviour are enough."
+
+    def asked(self) -> str:
+        """What a person is asked to show."""
+        asks = self._page.session.task.behaviours()[self._behaviour.value].asks
+        return asks or "Take a hand of the robot and lead it."
 
     def follow(self) -> None:
         """Bring the gizmos to the hands, but those that somebody holds."""
@@ -84,10 +98,10 @@ class TeachingPanel:
 
     @staticmethod
     def _verdict(recorded: Recorded) -> str:
-        seconds = recorded.condition.duration
-        fault = recorded.fault
-        return f"**{seconds:.1f} s of {recorded.behaviour}.** " + (
-            f"Better not: {fault}." if fault else "Well shown."
+        seconds, fault = recorded.condition.duration or 0.0, recorded.fault
+        ended = " It ended by itself there." if seconds >= LONGEST else ""
+        return f"**{seconds:.1f} s of {recorded.behaviour}.**{ended} " + (
+            f"Better not: {fault}. Throw it away, and try again." if fault else "Well shown."
         )
 
     def _gizmo(self, name: str, site: str):  # type: ignore[no-untyped-def]
@@ -120,11 +134,15 @@ class TeachingPanel:
         self._page.session.others = self._others.value
 
     def _toggle(self) -> None:
-        session = self._page.session
+        session, self._note = self._page.session, ""
         with session.lock:
             if not (session.mode == "teach" and (session.recording or session.armed)):
                 session.start_demonstration(self._behaviour.value)
                 self._pending = None
+                return
+            if session.armed and not session.recording:
+                session.armed = False
+                self._note = "**Nothing was recorded:** no hand was taken. Try again."
                 return
             recorded = session.stop()
         self.take(recorded)
@@ -146,7 +164,14 @@ class TeachingPanel:
         self._draw()
 
     def _drop_it(self) -> None:
-        self._pending = None
+        self._pending, self._note = None, ""
+        if self._page.session.mode == "teach":
+            self._begin_again()
+
+    def _begin_again(self) -> None:
+        """Bring the arms to where they started."""
+        with self._page.session.lock:
+            self._page.session.reset()
 
     def _drop_last(self) -> None:
         page, behaviour = self._page, self._behaviour.value

@@ -42,6 +42,12 @@ HELD = {
 PARTS = ("gripper", "elbow")
 """Parts of arms that are above the table."""
 
+ASKS = {
+    "cup": "Lead the left hand anywhere, and keep its cup level.",
+    "sugar": "Lead the right hand, and keep its sugar above the cup.",
+}
+"""What a person is asked to show."""
+
 _ROOMS = {"cup": cup, "sugar": sugar}
 
 
@@ -114,6 +120,7 @@ class CupAndSugar(Task):
                 fit,
                 goals[name],
                 CUTOFF[self.teacher],
+                ASKS[name],
             )
             for name in self.taught
         }

@@ -122,7 +122,12 @@ class Pointing(Task):
         }
         return {
             self.name: Behaviour(
-                self.pointer.views, self.shown_by, fit, goals, CUTOFF[self.teacher]
+                self.pointer.views,
+                self.shown_by,
+                fit,
+                goals,
+                CUTOFF[self.teacher],
+                "Point the arm at one object, hold, then at the other, hold, and go back to rest.",
             )
         }
 

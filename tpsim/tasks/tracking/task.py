@@ -113,6 +113,7 @@ class Tracking(Task):
                 # Nobody keeps both hands at objects that are too far apart.
                 {side: Goal(view, SHOWN) for side, view in HANDS.items() if side == teaching},
                 CUTOFF[self.teacher],
+                "Keep a hand at its object, which moves.",
             )
             for teaching in self.taught
         }

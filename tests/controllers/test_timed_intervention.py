@@ -8,7 +8,7 @@ import pytest
 
 from tpsim.control import projection
 from tpsim.controllers.product import Skill
-from tpsim.controllers.timed_intervention import TimedIntervention
+from tpsim.controllers.timed_intervention import PATIENCE, PULL, TimedIntervention
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import TPGMM
@@ -102,6 +102,53 @@ def test_far_from_its_reference_no_more_speed_is_asked_than_joints_have(planar3_
     now = TimedIntervention(skill, effort=1e-4, until=2.5).command(state, 0.0)
     speed = np.linalg.solve(now.damping, now.stiffness @ (now.reference - state.q))
     assert np.abs(speed).max() == pytest.approx(0.01, rel=1e-6)
+
+
+class At:
+    """Progress at one place, at a rate."""
+
+    def __init__(self, place, rate):
+        self.place, self.rate = place, rate
+
+    def at(self, state, time):
+        """Where it is said to be."""
+        return self.place, self.rate
+
+
+def test_without_a_clock_the_reference_is_that_of_the_place_and_moves_on_at_its_rate(
+    planar3_world, skill
+):
+    state, settings = at(with_speed(planar3_world, None)), {"effort": EFFORT, "until": 2.5}
+    now = TimedIntervention(skill, **settings, progress=At(0.9, 0.5)).command(state, 7.0)
+    clock = TimedIntervention(skill, **settings)
+    by_clock = [clock.renew(state, t) for t in (0.9, 0.93)]
+    np.testing.assert_allclose(now.reference, by_clock[0].reference, atol=1e-9)
+    np.testing.assert_allclose(now.stiffness, by_clock[0].stiffness, rtol=1e-9)
+    moved = by_clock[1].reference - by_clock[0].reference
+    np.testing.assert_allclose(now.velocity, 0.5 * moved / 0.03, atol=1e-9)
+    ended = TimedIntervention(skill, **settings, progress=At(2.5, 1.0)).command(state, 7.0)
+    np.testing.assert_array_equal(ended.velocity, 0.0)
+
+
+def test_where_progress_stands_still_springs_grow_weak(planar3_world, skill):
+    state = at(with_speed(planar3_world, None))
+    progress = At(0.9, 1.0)
+    law = TimedIntervention(skill, effort=1e-4, until=2.5, progress=progress)
+
+    def pull(time):
+        now = law.renew(state, time)
+        torque = np.abs(now.stiffness @ (now.reference - state.q))
+        return float((torque / state.robot.torque_limit).max()), now.damping
+
+    going, damping = pull(0.0)
+    progress.rate = 0.0
+    held = [pull(t) for t in (0.5, 1.0, 5.0, 9.0)]
+    assert going == pytest.approx(1.0)
+    assert [share for share, _ in held[:2]] == pytest.approx(
+        [PULL + (1 - PULL) * np.exp(-t / PATIENCE) for t in (0.5, 1.0)]
+    )
+    assert held[-1][0] == pytest.approx(PULL, rel=1e-2)
+    np.testing.assert_array_equal(held[-1][1], damping)  # dampers keep their strength
 
 
 def test_between_two_adaptations_the_spring_holds(planar3_world, skill):

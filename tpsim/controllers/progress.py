@@ -47,10 +47,21 @@ class ByState:
     dt : float
         Time step of the movement [s], and between two observations.
     pace : Pace
+    stray, slip : (d,)
+        How far hands may be from the movement besides what was taught, and the standard deviation
+        of their velocity.
     """
 
-    def __init__(self, chain: SemiMarkovChain, dt: float, pace: Pace = PACE):
+    def __init__(
+        self,
+        chain: SemiMarkovChain,
+        dt: float,
+        pace: Pace = PACE,
+        stray: np.ndarray = STRAY,
+        slip: np.ndarray = SLIP,
+    ):
         self._filter, self._dt = ProgressFilter(chain, pace), dt
+        self._stray, self._slip = stray, slip
         self._passage: Passage | None = None
         self._see: Callable[[State], Seen] | None = None
         self._belief: Belief | None = None
@@ -68,10 +79,10 @@ class ByState:
         """
         # One for all: observations follow each other so fast that they are far from independent,
         # and a hand at rest would be drawn to wherever the movement is most precise.
-        spread = places.covariance.mean(0) + np.diag(STRAY**2)
+        spread = places.covariance.mean(0) + np.diag(self._stray**2)
         alike = Gaussian.trusted(places.mean, np.broadcast_to(spread, places.covariance.shape))
         self._see = see
-        self._passage = Passage(self._filter.chain, alike, self._dt, SLIP)
+        self._passage = Passage(self._filter.chain, alike, self._dt, self._slip)
 
     def at(self, state: State, time: float) -> tuple[float, float]:
         """What the last observation said, led on to the next one without a jump."""

@@ -16,9 +16,9 @@ from tpsim.retrieval.tp_gmr import Order
 from tpsim.robot.state import State
 from tpsim.world.impedance import Impedance
 
-PULL = 0.2
-"""Share of the motors' torque with which springs may pull along the movement where progress is not
-the clock's: who holds a hand would else be let go by a spring that is wound up."""
+PULL, PATIENCE = 0.12, 1.0
+"""Share of the motors' torque that springs ask for where progress stands still, and the time [s]
+within which they grow so weak: who holds a hand would else let go a spring that is wound up."""
 
 PERIOD = 0.03
 """Time [s] between two adaptations of the mixture to the frames: as often as a camera looks."""
@@ -45,10 +45,9 @@ class TimedIntervention(RenewedImpedance):
     period : float
         Time [s] between two adaptations.
     progress : Progress, optional
-        What says how far the movement has come. The reference then moves on at its rate, and waits
-        for hands that stay behind: along the movement springs pull with a share ``PULL`` of the
-        motors' torque at most, across it as they were taught. By default the clock says it, and
-        the reference stands still from one adaptation to the next.
+        What says how far the movement has come. The reference then moves on at its rate, and where
+        it stands still springs grow weak. By default the clock says it, and the reference stands
+        still from one adaptation to the next.
     order : str
         Of :func:`~tpsim.retrieval.tp_gmr.tp_gmr`. The covariance is stiffness here: moments of a
         mixture would be soft wherever a precise component meets a vague one, so that precisions
@@ -70,35 +69,42 @@ class TimedIntervention(RenewedImpedance):
         super().__init__(period)
         self.skill, self.effort, self.until = skill, effort, until
         self.prior, self.order, self.progress = prior, order, progress
+        self._asked, self._going = 0.0, 1.0
         times = np.minimum(np.arange(0.0, until + period, period), until)
         self._product = TimedProduct(skill, prior, order, times)
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the posture that the movement asks for now."""
         if self.progress is None:
-            step, tick = self._product.step(state, min(time, self.until)), None
+            step, velocity = self._product.step(state, min(time, self.until)), None
         else:
             place, rate = self.progress.at(state, time)
-            step, tick = self._between(state, place)
+            step, velocity = self._between(state, place, rate)
         L = dpotrf(state.mass, lower=1)[0]
         # L' Sigma L is the inverse of Lambda_z: the same eigenvectors, without an inverse.
         variances, V, failed = dsyevd(L.T @ step.covariance @ L, overwrite_a=1)
         if failed or not variances[0] > 0:
             raise SimulationError("the covariance of the movement has no eigendecomposition")
         modes, stiffness = L @ V, 1 / np.sqrt(self.effort * variances)
-        now, way = Impedance.of_modes(modes, stiffness, state.q), step.mean
-        if tick is not None:
-            way = _waiting(way, tick, now.stiffness, state.robot.torque_limit)
-            now = replace(now, velocity=rate / self.period * tick)
-        now = replace(now, reference=state.q + way)
+        now = Impedance.of_modes(modes, stiffness, state.q + step.mean)
         # Far away the spring gives way, so that spring against damper asks for no wild speed.
-        pace = np.sqrt(stiffness / 2) * (modes.T @ way)
+        pace = np.sqrt(stiffness / 2) * (modes.T @ step.mean)
         speed = dtrtrs(L, V @ pace, lower=1, trans=1)[0]
         excess = float((np.abs(speed) / state.robot.velocity_limit).max())
+        if velocity is not None:
+            now = replace(now, velocity=velocity)
+            pull = np.abs(now.stiffness @ step.mean) / state.robot.torque_limit
+            excess = max(excess, float(pull.max()) / self._strength(time, rate))
         return now if excess <= 1 else now.weaker(excess)
 
-    def _between(self, state: State, place: float) -> tuple[Gaussian, np.ndarray]:
-        """Step (n,) that the movement asks for at a place [s], and where it goes in one period."""
+    def _strength(self, time: float, rate: float) -> float:
+        """Share of the motors' torque that springs may ask for."""
+        kept = np.exp((self._asked - time) / PATIENCE)
+        self._asked, self._going = time, kept * self._going + (1 - kept) * min(rate, 1.0)
+        return PULL + (1 - PULL) * self._going
+
+    def _between(self, state: State, place: float, rate: float) -> tuple[Gaussian, np.ndarray]:
+        """Step (n,) that the movement asks for at a place [s], and how fast it goes on [rad/s]."""
         tick, last = self.period, self.until - self.period
         first = tick * int(min(max(place, 0.0), last) / tick + 1e-9)
         share = min(max((place - first) / tick, 0.0), 1.0)
@@ -107,18 +113,4 @@ class TimedIntervention(RenewedImpedance):
         near = after if share > 0.5 else before
         on = after.mean - before.mean
         step = Gaussian.trusted(before.mean + share * on, near.covariance)
-        return step, on * (place < self.until)
-
-
-def _waiting(
-    way: np.ndarray, tick: np.ndarray, stiffness: np.ndarray, limit: np.ndarray
-) -> np.ndarray:
-    """The way (n,) to a reference that goes back along the movement until it pulls no more.
-
-    How far it is ahead of the posture along the movement is told in the metric of the stiffness.
-    """
-    pull = stiffness @ tick
-    energy = float(tick @ pull)
-    most = PULL / max(float((np.abs(pull) / limit).max()), 1e-12)
-    ahead = float(pull @ way) / max(energy, 1e-12)
-    return way - (ahead - min(max(ahead, -most), most)) * tick
+        return step, rate / tick * on * (place < self.until)

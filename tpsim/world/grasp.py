@@ -7,6 +7,7 @@ the controller's model does not know, it falls where it is let go, and it lies o
 """
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -238,7 +239,7 @@ class _Hand:
         self._weld = model.equality(weld_name(thing)).id
         self._qpos = int(model.jnt_qposadr[model.body(thing).jntadr[0]])
         self.waited, self.away = 0.0, True
-        self.before: np.ndarray | None = None
+        self.before: Pose | None = None
 
     def begin(self, data: mujoco.MjData) -> None:
         """Put the thing on its stand."""
@@ -256,33 +257,36 @@ class _Hand:
         grasp, holds = self._grasp, bool(data.eq_active[self._weld])
         hand = Pose(data.site_xmat[self._site].reshape(3, 3), data.site_xpos[self._site])
         thing = Pose(data.xmat[self._thing].reshape(3, 3), data.xpos[self._thing])
-        over = Pose(data.xmat[self._target].reshape(3, 3), data.xpos[self._target])
         if holds:
-            seen, place, within = over.inverse @ thing, np.array(grasp.at_target), grasp.opens
+            over = Pose(data.xmat[self._target].reshape(3, 3), data.xpos[self._target])
+            base, seen, place, within = over, thing, grasp.at_target, grasp.opens
         else:
-            seen, place, within = thing.inverse @ hand, np.zeros(3), grasp.closes
-        near = _near(seen, place, within)
-        self.away = self.away or bool(np.linalg.norm(seen.position - place) > grasp.away)
+            base, seen, place, within = thing, hand, (0.0, 0.0, 0.0), grasp.closes
         slow = self._slow(hand, period)
-        self.waited = self.waited + period if near and slow and self.away else 0.0
+        x, y, z = (base.rotation.T.dot(seen.position - base.position) - place).tolist()
+        self.away = self.away or x * x + y * y + z * z > grasp.away**2
+        ready = slow and self.away and _near(x, y, z, base, seen, within)
+        self.waited = self.waited + period if ready else 0.0
         if self.waited >= grasp.dwell:
             data.eq_active[self._weld] = not holds
             # What was just taken is still at its target, what was just left is still in the hand.
             self.waited, self.away = 0.0, False
 
     def _slow(self, hand: Pose, period: float) -> bool:
-        now = np.concatenate((hand.rotation.ravel(), hand.position))
-        before, self.before = self.before, now.copy()
+        before, self.before = self.before, Pose(*(part.copy() for part in hand))
         if before is None:
             return False
-        moved = np.linalg.norm(now[9:] - before[9:])
-        turned = np.linalg.norm(now[:9] - before[:9]) / np.sqrt(2)
-        return bool(moved < self._grasp.slow * period and turned < 10 * self._grasp.slow * period)
+        most, moved = self._grasp.slow * period, (hand.position - before.position).tolist()
+        if math.hypot(*moved) >= most:
+            return False
+        turned = np.linalg.norm(hand.rotation - before.rotation) / math.sqrt(2)
+        return bool(turned < 10 * most)
 
 
-def _near(seen: Pose, place: np.ndarray, within: tuple[float, float, float]) -> bool:
-    x, y, z = (seen.position - place).tolist()
+def _near(
+    x: float, y: float, z: float, base: Pose, seen: Pose, within: tuple[float, float, float]
+) -> bool:
     across, along, turned = within
     if x * x + y * y > across * across or abs(z) > along:
         return False
-    return bool(np.linalg.norm(pin.log3(seen.rotation)) <= turned)
+    return bool(np.linalg.norm(pin.log3(base.rotation.T @ seen.rotation)) <= turned)

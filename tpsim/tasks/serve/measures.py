@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -122,9 +123,15 @@ def _apart(place: Pose, found: Pose) -> tuple[float, float]:
     return float(1e3 * away), float(np.degrees(turned))
 
 
+_SERVED: WeakKeyDictionary[Trial, Served] = WeakKeyDictionary()
+
+
 def served(record: Record) -> Served:
-    """What came of a recorded trial."""
-    return Served.of(record.trial)
+    """What came of a recorded trial, looked at once."""
+    trial = record.trial
+    if trial not in _SERVED:
+        _SERVED[trial] = Served.of(trial)
+    return _SERVED[trial]
 
 
 def success(record: Record) -> float:

@@ -5,7 +5,7 @@ it is inferred by the forward variable of a semi-Markov chain whose ticks may st
 (:mod:`tpsim.retrieval.progress`). Both arms share it: who holds one stops the other.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -17,9 +17,9 @@ from tpsim.learning.gmm import GMM
 from tpsim.learning.semi_markov import SemiMarkovChain
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.pose import Pose
-from tpsim.retrieval.gmr import gmr
-from tpsim.retrieval.passage import Passage
+from tpsim.retrieval.gmr import Regression
 from tpsim.retrieval.progress import Pace
+from tpsim.retrieval.tp_gmr import at_equal_input
 from tpsim.robot.state import State
 from tpsim.robot.views.sites import Site, SiteView, as_rotation
 from tpsim.robot.views.view import Seen
@@ -27,38 +27,24 @@ from tpsim.robot.views.view import Seen
 MOVED = 1e-4
 """Change of an object's position [m] or rotation matrix after which the way is another one."""
 
-CUP_HAND = "left"
-"""The hand with the cup, as what sees the other one."""
-
 WORLD = Pose(np.eye(3), np.zeros(3))
 """From where the base sees."""
 
 
-PACE = Pace(np.array([0.05, 0.95]), 0.5)
-"""Nobody interferes, as a rule."""
+PACE = Pace(np.array([0.05, 0.9, 0.05]), 0.9)
+"""Nobody interferes, as a rule; who does goes on for a third of a second."""
 
 _EACH = np.repeat([1.0, 5.0, 1.0], 3)
 
-STRAY, SLIP = 0.02 * _EACH, 0.2 * _EACH
+STRAY, SLIP = 0.008 * _EACH, 0.2 * _EACH
 """How far [m], [rad] hands may be from their way besides what was taught, and the deviation of
-their velocities [m/s], [rad/s]: between docks they are soft, and behind."""
+their velocities [m/s], [rad/s]. What they retrieve of the speed is uneven, so that it tells little:
+it would take hands that rest between two Gaussians for hands that are held."""
 
-
-LEAD = 0.12
-"""How far ahead of where the hand is the movement is asked for [s]: what pulls it on from rest."""
-
-
-class _SoftHands(ByState):
-    """As hands that are held softly are seen."""
-
-    def follow(self, see: Callable[[State], Seen], places: Gaussian) -> None:
-        """See the hands along another movement from now on."""
-        # Of most moments: while the cup is tilted, how far it is differs most between lessons.
-        usual = np.median(np.diagonal(places.covariance, axis1=1, axis2=2), axis=0)
-        spread = np.diag(usual + STRAY**2)
-        alike = Gaussian.trusted(places.mean, np.broadcast_to(spread, places.covariance.shape))
-        self._see = see
-        self._passage = Passage(self._filter.chain, alike, self._dt, SLIP)
+LEAD, TEMPO = 0.12, ((-1.0, 0.0, 0.5, 1.0), (2.0, 1.0, 1.0, 0.0))
+"""How far ahead of where hands are the movement is asked for at most [s], and how fast it goes on
+at these shares of it: at its own tempo as long as hands keep up, faster if somebody pushes them on.
+Hands that are held are asked for no more, yet let go they are drawn on."""
 
 
 class HandsProgress:
@@ -72,7 +58,9 @@ class HandsProgress:
         What sees the hand with the cup: object (None is the base), frame of its position, frame of
         its orientation, and the rotation about which orientation is charted.
     sugar : sequence of (str or None, int)
-        What sees the position of the other hand, by its frame; ``"left"`` is the hand with the cup.
+        What sees the position of the other hand, by its frame.
+    between : int
+        Frame of the other hand's position as seen from the hand with the cup.
     hands : (str, str)
         Sites of the hand with the cup and of the other one.
     until, dt : float
@@ -84,6 +72,7 @@ class HandsProgress:
         model: TPGMM,
         cup: Sequence[tuple[str | None, int, int, np.ndarray]],
         sugar: Sequence[tuple[str | None, int]],
+        between: int,
         hands: tuple[str, str],
         until: float,
         dt: float,
@@ -91,7 +80,8 @@ class HandsProgress:
         times = np.linspace(0.0, until, round(until / dt) + 1)
 
         def retrieved(frame: int) -> Gaussian:
-            return gmr(GMM(model.priors, model.frames[frame]), times)
+            view = Regression.of(GMM(model.priors, model.frames[frame]))
+            return at_equal_input([view], times, "pooled")[1][0][:, 0]
 
         self._cup = [base for base, *_ in cup]
         self._site, self._other = hands[0], Site(hands[1]).position
@@ -103,24 +93,27 @@ class HandsProgress:
             mean = np.hstack([part.mean for part in parts])
             self._movements.append(SeenMovement(mean, precision, reference))
         self._sugar = [(base, retrieved(frame)) for base, frame in sugar]
+        self._between = retrieved(between)
         clock = GMM(model.priors, model.frames[0].marginal([0]))
         stays = clock.responsibilities(times[:, None]).argmax(1)
-        self._progress = _SoftHands(SemiMarkovChain.along(stays), dt, PACE)
+        self._progress = ByState(SemiMarkovChain.along(stays), dt, PACE, STRAY, SLIP)
+        self._asked = self._since = self._rate = 0.0
         self._seen: np.ndarray | None = None
         self._view: SiteView | None = None
 
     def at(self, state: State, time: float) -> tuple[float, float]:
         """Time within the movement [s], and how much of it passes per second."""
         names = dict.fromkeys([*self._cup, *(base for base, _ in self._sugar)])
-        poses = {
-            name: state.objects[name].pose for name in names if name not in (None, CUP_HAND)
-        } | {None: WORLD}
+        poses = {name: WORLD if name is None else state.objects[name].pose for name in names}
         seen = np.concatenate([part.ravel() for pose in poses.values() for part in pose])
         if self._seen is None or np.abs(seen - self._seen).max() > MOVED:
             self._seen = seen
             self._follow(poses)
-        place, rate = self._progress.at(state, time)
-        return place + LEAD, rate
+        place, _ = self._progress.at(state, time)
+        self._asked += self._rate * (time - self._since)
+        self._since = time
+        self._rate = float(np.interp((self._asked - place) / LEAD, *TEMPO))
+        return self._asked, self._rate
 
     def _hands(self, state: State) -> Seen:
         """Pose of the hand with the cup, over the position of the other one (9,)."""
@@ -134,16 +127,25 @@ class HandsProgress:
         reference = bases[0].rotation @ self._movements[0].reference
         _, precisions, fused = fuse_poses(self._movements, bases, reference)
         self._view = SiteView(self._site, None, "pose", as_rotation(reference))
-        cup_hand = Pose(rotation.exp(fused[:, 3:]) @ reference, fused[:, :3])
-        precision, information = np.zeros((len(fused), 3, 3)), np.zeros((len(fused), 3))
-        for name, part in self._sugar:
-            R, p = cup_hand if name == CUP_HAND else poses[name]
-            known = R @ part.precision @ np.swapaxes(R, -1, -2)
-            precision += known
-            mean = (R @ part.mean[..., None])[..., 0] + p
-            information += (known @ mean[..., None])[..., 0]
-        covariance = np.zeros((len(fused), 9, 9))
-        covariance[:, :6, :6] = np.linalg.inv(precisions.sum(0))
-        covariance[:, 6:, 6:] = np.linalg.inv(precision)
-        other = (covariance[:, 6:, 6:] @ information[..., None])[..., 0]
-        self._progress.follow(self._hands, Gaussian.trusted(np.hstack([fused, other]), covariance))
+        known = np.zeros((len(fused), 9, 9))
+        known[:, :6, :6] = precisions.sum(0)
+        information = np.zeros((len(fused), 3))
+        for (R, p), part in ((poses[name], part) for name, part in self._sugar):
+            precision = R @ part.precision @ R.T
+            known[:, 6:, 6:] += precision
+            information += np.einsum("tij,tj->ti", precision, part.mean @ R.T + p)
+        other = np.linalg.solve(known[:, 6:, 6:], information[..., None])[..., 0]
+        # As the hand with the cup sees the other one, both give way: one Gauss-Newton step.
+        turned, away = rotation.exp(fused[:, 3:]) @ reference, other - fused[:, :3]
+        back = turned.mT
+        lever = np.concatenate(
+            [-back, back @ rotation.skew(away) @ rotation.left_jacobian(fused[:, 3:]), back], axis=2
+        )
+        error = self._between.mean - (back @ away[..., None])[..., 0]
+        pull = lever.mT @ self._between.precision
+        known += pull @ lever
+        step = np.linalg.solve(known, pull @ error[..., None])[..., 0]
+        self._progress.follow(
+            self._hands,
+            Gaussian.trusted(np.hstack([fused, other]) + step, np.linalg.inv(known)),
+        )

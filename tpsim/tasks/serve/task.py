@@ -28,7 +28,7 @@ from tpsim.robot.views.sites import Object, Site
 from tpsim.robot.views.view import View
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
 from tpsim.tasks.serve import scene, teacher
-from tpsim.tasks.serve.progress import CUP_HAND, HandsProgress
+from tpsim.tasks.serve.progress import HandsProgress
 from tpsim.tasks.serve.teacher import MOVEMENT
 from tpsim.tasks.serve.things import Thing
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
@@ -78,8 +78,11 @@ _CUP_SEEN: list[tuple[str | None, int, int, np.ndarray]] = [
 ]
 """Frames that see the hand with the cup, for progress."""
 
-_SUGAR_SEEN = [("sugar_dock", 6), (CUP_HAND, 8), (None, 9)]
+_SUGAR_SEEN: list[tuple[str | None, int]] = [("sugar_dock", 6), (None, 9)]
 """Frames that see where the other hand is."""
+
+_BETWEEN = 8
+"""Frame in which the hand with the cup sees the other one."""
 
 STRUCTURES: Mapping[str, Structure] = {"full": FULL, "mfa": MFA(1), "hddc": HDDC(1)}
 """Covariances that can be learned, by name."""
@@ -173,13 +176,13 @@ class Serve(Task):
     def controller(self, world: World, models: Models, situation: Situation) -> TimedIntervention:
         """Regression over time in every frame, then the product of all of them."""
         model = models["serve"]
-        hands = scene.LEFT, scene.RIGHT
-        by_state = HandsProgress(model, _CUP_SEEN, _SUGAR_SEEN, hands, MOVEMENT, PERIOD)
+        hands, by_state = (scene.LEFT, scene.RIGHT), self.progress == "state"
+        seen = _CUP_SEEN, _SUGAR_SEEN, _BETWEEN
         return TimedIntervention(
             Skill(VIEWS, model),
             effort=self.effort,
             until=MOVEMENT,
-            progress=by_state if self.progress == "state" else None,
+            progress=HandsProgress(model, *seen, hands, MOVEMENT, PERIOD) if by_state else None,
         )
 
     def goals(self) -> dict[str, Goal]:

@@ -40,6 +40,9 @@ class Charts:
         self.single, self.width, self.dim = tuple(found), column, row
         self.flat = all(space.flat for space in spaces)
 
+    def __str__(self) -> str:
+        return " * ".join(str(block.space) for block in self.single)
+
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
         """Factors with their places, neighbours that are flat as one."""
@@ -186,9 +189,7 @@ class Charts:
             found[..., columns] = space.near_mean(weights, y[..., columns], heaviest[..., columns])
         return found
 
-    def moved(
-        self, A: np.ndarray, b: np.ndarray, x: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def moved(self, A: np.ndarray, b: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Images (..., width) of points under frames A (..., n, n), b (..., n), and tangent maps.
 
         The latter (..., dim, dim) lead from the points to their images.

@@ -6,7 +6,6 @@ import numpy as np
 
 from tpsim.covariance import inverse_of_scaled, scales, symmetric
 from tpsim.errors import DataWarning
-from tpsim.manifold.charts import Charts
 from tpsim.manifold.manifold import Manifold
 from tpsim.manifold.unit import identity
 

@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from tpsim import TPGMM, ArgumentError, DataWarning, Gaussian, fit_tp_gmm, update_tp_gmm
+from tpsim import (
+    TPGMM,
+    ArgumentError,
+    DataWarning,
+    Gaussian,
+    fit_hmm,
+    fit_hsmm,
+    fit_tp_gmm,
+    update_tp_gmm,
+)
 from tpsim.bench.poses import POSES, movements
 from tpsim.examples import u_demonstrations
 from tpsim.learning.hidden import filled
@@ -182,6 +191,23 @@ def test_what_does_not_fit_is_one_clear_line(truth, change, words):
     with pytest.raises(ArgumentError) as error:
         fit_tp_gmm(views, K, observed=observed)
     assert words in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("fit", [fit_hmm, fit_hsmm])
+def test_hidden_states_are_learned_from_what_was_seen(fit):
+    shown = u_demonstrations(3)
+    rng = np.random.default_rng(0)
+    masks = [rng.random((len(d), len(d.frames))) > 0.2 for d in shown]
+    options = {"start": "time", "tolerance": 1e-8, "max_iterations": 30}
+    found = fit(shown, 3, observed=masks, **options)
+    assert (np.diff(found.history) > -1e-9).all()
+    whole = fit(shown, 3, **options)
+    again = fit(shown, 3, observed=[np.ones_like(m) for m in masks], **options)
+    assert np.array_equal(whole.history, again.history)
+    for one, other in zip(found.emissions.frames, whole.emissions.frames, strict=True):
+        np.testing.assert_allclose(one.mean, other.mean, atol=0.25)
+    with pytest.raises(ArgumentError, match="have no frames"):
+        fit([d.data for d in shown], 3, observed=masks)
 
 
 def test_a_model_of_hidden_samples_has_no_memory(truth):

@@ -66,6 +66,48 @@ def test_slope_is_the_derivative_of_log(manifold):
         np.testing.assert_allclose(slope[..., k], (ahead - back) / (2 * h), atol=1e-7)
 
 
+@pytest.mark.parametrize("manifold", KINDS, ids=str)
+def test_what_control_loops_ask_for_at_once_is_what_its_parts_are(manifold):
+    x, v = points(manifold, 60), np.random.default_rng(1).normal(size=(60, manifold.dim))
+    v[:20] *= 10.0 ** -np.arange(1, 21)[:, None]
+    y, work = manifold.exp(x, v), manifold.work
+    v = manifold.log(x, y)
+    slope = work.slope(x, y, v)
+    found = work.linearised(x, y)
+    np.testing.assert_allclose(found[..., :-1], slope, atol=1e-7)
+    np.testing.assert_allclose(found[..., -1], (slope @ v[..., None])[..., 0], atol=1e-7)
+    way, carry = work.carrying(x, y)
+    np.testing.assert_allclose(way, v, atol=1e-12)
+    np.testing.assert_allclose(carry @ slope - np.eye(manifold.dim), 0, atol=1e-7)
+    end, brought = work.departing(x, v)
+    np.testing.assert_allclose(manifold.distance(end, y), 0, atol=1e-7)
+    np.testing.assert_allclose(brought, work.carrying(y, x)[1], atol=1e-6)
+
+
+@pytest.mark.parametrize("manifold", KINDS, ids=str)
+def test_steps_lead_where_exp_does_to_third_order(manifold):
+    x, v = points(manifold, 60), np.random.default_rng(1).normal(size=(60, manifold.dim))
+
+    def error(h):
+        return manifold.distance(manifold.work.stepped(x, h * v), manifold.exp(x, h * v)).max()
+
+    assert error(0.1) < 1e-2 and error(0.01) < 1e-5
+
+
+@pytest.mark.parametrize("manifold", KINDS[:-1], ids=str)
+def test_moved_points_and_tangent_maps_are_those_of_the_lifted_frame(manifold):
+    n = 2 if manifold in (R(2), S1, R(2) * S1) else 3
+    rng = np.random.default_rng(0)
+    A = np.linalg.qr(rng.normal(size=(n, n)))[0]
+    frame, x = Frame(A * np.linalg.det(A), rng.normal(size=n)), points(manifold, 20)
+    lifted = manifold.frame(frame)
+    y, turn, rigid = manifold.moved(frame, x)
+    assert rigid
+    np.testing.assert_allclose(manifold.distance(y, lifted.to_common(x)), 0, atol=1e-7)
+    expected = manifold.work.turned(lifted.A, x, y)
+    np.testing.assert_allclose(turn, np.broadcast_to(expected, turn.shape), atol=1e-12)
+
+
 def test_orientations_are_those_of_rotation_matrices():
     w = np.random.default_rng(0).normal(size=(20, 2, 3))
     x, y = rotation.to_quaternion(rotation.exp(w)).swapaxes(0, 1)

@@ -17,6 +17,7 @@ from tpsim.learning.statistics import Components, Samples
 from tpsim.learning.subspace import Structure
 
 EMPTY = 1e-10  # share of a sample below which a component is left where it is
+LITTLE = 1.0  # samples seen by a frame that does not see all, below which its part is left
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,13 +80,14 @@ def maximise(
 ) -> Mixture:
     """M-step, Eqs (50-52): the mixture that explains the moments best."""
     weight = moments.weight
-    alive = weight > EMPTY
+    known = moments.of_frames
+    least = EMPTY if moments.seen is None else LITTLE
     priors = np.maximum(weight, EMPTY)
     old: Sequence[Components | None] = previous.components if previous else (None,) * len(limits)
     components = tuple(
-        _fit(mean, scatter, part, alive, structure, limit)
-        for mean, scatter, part, limit in zip(
-            moments.mean, moments.scatter, old, limits, strict=True
+        _fit(mean, scatter, part, one > least, structure, limit)
+        for mean, scatter, part, one, limit in zip(
+            moments.mean, moments.scatter, old, known, limits, strict=True
         )
     )
     return Mixture(priors / priors.sum(), components)
@@ -101,8 +103,8 @@ def _fit(
 ) -> Components:
     """Fit one group of frames; components without samples stay where they were."""
     if old is not None and not alive.all():
-        mean = np.where(alive[:, None], mean, old.mean)
-        scatter = np.where(alive[:, None, None], scatter, old.covariance)
+        mean = np.where(alive[..., None], mean, old.mean)
+        scatter = np.where(alive[..., None, None], scatter, old.covariance)
     factors = old.factors if old is not None else None
     covariance, factors = structure.fit(scatter, factors, limit)
     return Components(mean, covariance, factors)

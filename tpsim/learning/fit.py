@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.agreement import agreed_with_warning
+from tpsim.arrays import array_of
 from tpsim.checks import (
     Seed,
     bound,
@@ -22,6 +23,7 @@ from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.em import Limits, Mixture, likeliest, maximise, project, regularisation
+from tpsim.learning.hidden import PartlySeen, filled, observed_of, too_little_seen
 from tpsim.learning.start import clusters, split_in_time, time_of
 from tpsim.learning.statistics import Samples
 from tpsim.learning.subspace import Structure, structure_of
@@ -46,15 +48,25 @@ class Fit:
     samples: Samples
     structure: Structure
     time: np.ndarray
+    hidden: Sequence[tuple[int, int]] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """What all frames saw: views (N, d_j), of sequences one after the other, and their stamps."""
+    """What all frames saw: views (N, d_j), of sequences one after the other, and their stamps.
+
+    And, where not all frames saw all samples, which they did, (N, P).
+    """
 
     views: list[np.ndarray]
     lengths: list[int]
     stamps: list[np.ndarray] | None = None
+    observed: np.ndarray | None = None
+
+    def samples(self, rows: slice = slice(None)) -> Samples:
+        """All samples or some, ready for EM."""
+        views = self.views if rows == slice(None) else [view[rows] for view in self.views]
+        return Samples(views) if self.observed is None else PartlySeen(views, self.observed[rows])
 
     def time(self, given: ArrayLike | None = None) -> np.ndarray:
         """Time of every sample, from 0 to 1, (N,)."""
@@ -73,8 +85,11 @@ def demonstrations_of(name: str, observations: object) -> list[Demonstration] | 
     return agreed_with_warning(several(name, observations, Demonstration))
 
 
-def seen_by_frames(observations: object) -> Seen:
-    """Views (N, d_j) of all frames, from demonstrations or from one array per frame."""
+def seen_by_frames(observations: object, observed: object = None) -> Seen:
+    """Views (N, d_j) of all frames, from demonstrations or from one array per frame.
+
+    ``observed`` says which samples they saw, see :func:`~.hidden.observed_of`.
+    """
     demonstrations = demonstrations_of("demonstrations", observations)
     if demonstrations is not None:
         dims = [tuple(v.shape[1] for v in d.observations) for d in demonstrations]
@@ -88,18 +103,22 @@ def seen_by_frames(observations: object) -> Seen:
             np.concatenate(view)
             for view in zip(*(d.observations for d in demonstrations), strict=True)
         ]
-        return Seen(views, [len(d) for d in demonstrations], [d.time for d in demonstrations])
-    views = [
-        finite_array(f"observations[{j}]", view)
-        for j, view in enumerate(entries("observations", observations))
-    ]
+        lengths = [len(d) for d in demonstrations]
+        mask = observed_of(observed, lengths, len(views))
+        return Seen(filled(views, mask), lengths, [d.time for d in demonstrations], mask)
+    given: Sequence[object] = entries("observations", observations)
+    if observed is not None and given:
+        length = len(array_of("observations[0]", given[0]))
+        mask = observed_of(observed, [length], len(given))
+        given = filled([array_of(f"observations[{j}]", view) for j, view in enumerate(given)], mask)
+    views = [finite_array(f"observations[{j}]", view) for j, view in enumerate(given)]
     shapes = [view.shape for view in views]
     if not views or any(len(s) != 2 or 0 in s or s[0] != shapes[0][0] for s in shapes):
         raise ArgumentError(
             f"observations have shapes {shapes}; give demonstrations, or one (N, d_j) array per "
             "frame with the same N >= 1"
         )
-    return Seen(views, [len(views[0])])
+    return Seen(views, [len(views[0])], None, mask if observed is not None else None)
 
 
 def seen_as_data(sequences: object) -> Seen:
@@ -162,14 +181,14 @@ def fit(seen: Seen, components: int, options: Options) -> Fit:
     generator("rng", options.rng, 0)
     check_samples(seen.views, components)
     time = seen.time(options.time)
-    samples = Samples(seen.views)
+    samples = seen.samples()
     if samples.count <= MANY or isinstance(options.start, tuple):
         starts = _starts(samples, seen.views, time, components, options)
     else:
         # What many samples say about where to start, a share of them says as well.
         rows = slice(None, None, -(-samples.count // FEW))
         few = [view[rows] for view in seen.views]
-        thin = Samples(few)
+        thin = seen.samples(rows)
         best, _ = likeliest(
             thin,
             _starts(thin, few, time[rows], components, options),
@@ -181,10 +200,14 @@ def fit(seen: Seen, components: int, options: Options) -> Fit:
     mixture, history = likeliest(
         samples, starts, structure, options.tolerance, options.max_iterations
     )
+    hidden = []
+    if seen.observed is not None:
+        _, moments = samples.expectation(mixture.priors, mixture.components)
+        hidden = too_little_seen(moments, samples.groups)
     frames = mixture.frames(samples)
     for frame in frames:
         _ = frame.precision  # computed once, remembered, and refused here if it means nothing
-    return Fit(mixture.priors, frames, history, samples, structure, time)
+    return Fit(mixture.priors, frames, history, samples, structure, time, hidden)
 
 
 def _starts(

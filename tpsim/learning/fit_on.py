@@ -10,8 +10,9 @@ from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.em import Limits, project
 from tpsim.learning.fit import Options, Seen, check_samples, fit, labellings
-from tpsim.learning.riemannian_em import Charted, TangentSamples
+from tpsim.learning.riemannian_em import TangentSamples
 from tpsim.learning.subspace import Structure, structure_of
+from tpsim.learning.tangents import Charted
 from tpsim.manifold.gaussian import RiemannianGaussian
 from tpsim.manifold.manifold import Manifold
 
@@ -28,6 +29,7 @@ class FitOn:
     history: np.ndarray
     samples: TangentSamples
     structure: Structure
+    hidden: Sequence[tuple[int, int]] = ()
 
 
 def fit_on(
@@ -47,6 +49,7 @@ def fit_on(
             plain.history,
             samples,
             plain.structure,
+            plain.hidden,
         )
     structure = structure_of(options.covariance)
     components = whole("components", components, least=1)
@@ -67,7 +70,8 @@ def fit_on(
     frames = samples.gaussians(model)
     for frame in frames:
         _ = frame.precision
-    return FitOn(model.mixture.priors, frames, history, samples, structure)
+    hidden = samples.hidden(model)
+    return FitOn(model.mixture.priors, frames, history, samples, structure, hidden)
 
 
 def _on(manifold: Manifold, gaussian: Gaussian) -> RiemannianGaussian:
@@ -88,7 +92,7 @@ def samples_on(manifold: Manifold | Sequence[Manifold], seen: Seen) -> TangentSa
         m.points(f"observations[{j}]", v)
         for j, (m, v) in enumerate(zip(manifolds, seen.views, strict=True))
     ]
-    return TangentSamples(manifolds, views)
+    return TangentSamples(manifolds, views, seen.observed)
 
 
 def _starts(
@@ -124,7 +128,11 @@ def begun(
         limits = samples.floors(parts, model.bases)
     else:
         limits = samples.ridges(ridge)
-    return Charted(project(model.mixture, structure, limits), model.bases), limits
+    mixture = project(model.mixture, structure, limits)
+    for old, new in zip(model.mixture.components, mixture.components, strict=True):
+        if new.factors is not None or not np.array_equal(old.covariance, new.covariance):
+            return Charted(mixture, model.bases), limits
+    return model, limits
 
 
 def _given(

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,9 +15,9 @@ from tpsim.learning.em import Mixture, maximise, project, regularisation
 from tpsim.learning.fit import Seen, Start, seen_as_data, seen_by_frames
 from tpsim.learning.fit_on import begun, samples_on
 from tpsim.learning.gmm import GMM, fit_gmm
+from tpsim.learning.hidden import Observed
 from tpsim.learning.markov import MarkovChain, Topology
 from tpsim.learning.semi_markov import SemiMarkovChain
-from tpsim.learning.statistics import Samples
 from tpsim.learning.subspace import Structure, structure_of
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.manifold.gaussian import RiemannianGaussian
@@ -40,6 +41,7 @@ def fit_states(
     tolerance: float,
     max_iterations: int,
     manifold: Manifold | Sequence[Manifold] | None,
+    observed: Observed,
     rng: Seed,
 ) -> tuple[Chain, Emissions, np.ndarray]:
     """EM for either chain and either kind of emissions; see :func:`fit_hmm`.
@@ -51,21 +53,21 @@ def fit_states(
     max_iterations = whole("max_iterations", max_iterations)
     components = whole("components", components, least=1)
     if not isinstance(start, Emissions):
-        fit = fit_tp_gmm if _have_views(sequences) else fit_gmm
-        start = fit(
+        start = _begin(
             sequences,
             components,
+            observed,
             covariance=covariance,
             start=start,
             ridge=ridge,
-            manifold=manifold,  # type: ignore[arg-type]
+            manifold=manifold,
             rng=rng,
         )
-    seen = _seen(sequences, components, start)
+    seen = _seen(sequences, components, start, observed)
     views, lengths = seen.views, seen.lengths
     chain = chain_of(components, topology, sum(lengths) / len(lengths) / components)
     if topology == "left-right":
-        start = _in_order(start, views, lengths)
+        start = _in_order(start, views, lengths, seen.observed)
     structure = structure_of(covariance)
     curved = any(isinstance(frame, RiemannianGaussian) for frame in _frames(start))
     learner = (_Curved if curved else _Flat)(seen, start, structure, ridge)
@@ -91,7 +93,7 @@ class _Flat:
     """The emissions of R^n as EM moves them."""
 
     def __init__(self, seen: Seen, start: Emissions, structure: Structure, ridge: float | None):
-        self.samples, self._structure = Samples(seen.views), structure
+        self.samples, self._structure = seen.samples(), structure
         priors = np.maximum(start.priors, np.finfo(float).tiny)
         mixture = Mixture.of(priors, _frames(start), self.samples)
         _, parts = self.samples.expectation(mixture.priors, mixture.components)
@@ -154,10 +156,22 @@ def _have_views(sequences: Sequences) -> bool:
     return bool(some) and all(isinstance(s, Demonstration) and s.observations for s in some)
 
 
-def _seen(sequences: Sequences, components: int, start: Emissions) -> Seen:
+def _begin(sequences: Sequences, components: int, observed: Observed, **options: Any) -> Emissions:
+    """A mixture to begin with: of what the frames saw, if there are any."""
+    if _have_views(sequences):
+        return fit_tp_gmm(sequences, components, observed=observed, **options)
+    return fit_gmm(sequences, components, **options)
+
+
+def _seen(sequences: Sequences, components: int, start: Emissions, observed: Observed) -> Seen:
     """Samples (N, d_j) as the emissions see them, and the lengths of the sequences."""
     tp = isinstance(start, TPGMM)
-    seen = seen_by_frames(sequences) if tp else seen_as_data(sequences)
+    if observed is not None and not tp:
+        raise ArgumentError(
+            "observed says which samples frames saw, and these sequences have no frames; leave it "
+            "out, or give demonstrations with frames or observations"
+        )
+    seen = seen_by_frames(sequences, observed) if tp else seen_as_data(sequences)
     if seen.stamps is not None:
         check_even("demonstration", seen.stamps)
     expected = [(components, view.shape[-1]) for view in seen.views]
@@ -178,10 +192,15 @@ def _emissions(kind: type, priors: np.ndarray, frames: Sequence[Gaussian]) -> Em
     return TPGMM(priors, tuple(frames)) if kind is TPGMM else GMM(priors, frames[0])
 
 
-def _in_order(start: Emissions, views: list[np.ndarray], lengths: list[int]) -> Emissions:
+def _in_order(
+    start: Emissions,
+    views: list[np.ndarray],
+    lengths: list[int],
+    observed: np.ndarray | None = None,
+) -> Emissions:
     """The same mixture with its components ordered by their mean time."""
     if isinstance(start, TPGMM):
-        h = start.responsibilities(views)
+        h = start.responsibilities(views, observed)
     else:
         h = start.responsibilities(views[0])
     progress = np.concatenate([np.linspace(0.0, 1.0, length) for length in lengths])

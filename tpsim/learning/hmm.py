@@ -20,6 +20,7 @@ from tpsim.gaussian import Gaussian
 from tpsim.learning.fit import Start
 from tpsim.learning.fit_states import Chain, Emissions, Sequences, fit_states
 from tpsim.learning.gmm import log_priors
+from tpsim.learning.hidden import Observed
 from tpsim.learning.markov import MarkovChain, Topology
 from tpsim.learning.subspace import Structure
 from tpsim.learning.tp_gmm import TPGMM
@@ -145,6 +146,7 @@ def fit_hmm(
     tolerance: float = 1e-5,
     max_iterations: int = 100,
     manifold: Manifold | Sequence[Manifold] | None = None,
+    observed: Observed = None,
     rng: Seed = None,
 ) -> HMM:
     """Fit a hidden Markov model by EM (Baum-Welch).
@@ -164,7 +166,7 @@ def fit_hmm(
         As in :func:`tpsim.learning.tp_gmm.fit_tp_gmm`.
     start : str, GMM or TPGMM, optional
         A mixture to begin with as it is, or how to fit one first.
-    ridge, tolerance, max_iterations, manifold, rng
+    ridge, tolerance, max_iterations, manifold, observed, rng
         As in :func:`tpsim.learning.tp_gmm.fit_tp_gmm`.
 
     Returns
@@ -189,6 +191,7 @@ def fit_hmm(
             tolerance=tolerance,
             max_iterations=max_iterations,
             manifold=manifold,
+            observed=observed,
             rng=rng,
         )
     )

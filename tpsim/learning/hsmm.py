@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from tpsim.checks import Seed, number
 from tpsim.learning.fit import Start
 from tpsim.learning.fit_states import Emissions, Sequences, fit_states
+from tpsim.learning.hidden import Observed
 from tpsim.learning.hmm import HiddenStates
 from tpsim.learning.markov import Topology
 from tpsim.learning.semi_markov import SemiMarkovChain
@@ -49,6 +50,7 @@ def fit_hsmm(
     tolerance: float = 1e-5,
     max_iterations: int = 100,
     manifold: Manifold | Sequence[Manifold] | None = None,
+    observed: Observed = None,
     rng: Seed = None,
 ) -> HSMM:
     """Fit a hidden semi-Markov model by EM over all segmentations of the sequences.
@@ -64,7 +66,7 @@ def fit_hsmm(
     duration_spread : float
         The standard deviation of a duration is never below this share of the mean stay T / K:
         a handful of demonstrations says little about it.
-    covariance, start, ridge, tolerance, max_iterations, manifold, rng
+    covariance, start, ridge, tolerance, max_iterations, manifold, observed, rng
         As in :func:`fit_hmm`.
 
     Returns
@@ -101,6 +103,7 @@ def fit_hsmm(
             tolerance=tolerance,
             max_iterations=max_iterations,
             manifold=manifold,
+            observed=observed,
             rng=rng,
         )
     )

@@ -22,11 +22,19 @@ class Moments(Part):
         Per group of frames, dimensions increasing.
     scatter : tuple of (G, K, d, d)
         Covariance around ``mean``, per group of frames.
+    seen : tuple of (G, K), optional
+        Sum of responsibilities of the samples that each frame saw, where not all saw all.
     """
 
     weight: np.ndarray
     mean: tuple[np.ndarray, ...]
     scatter: tuple[np.ndarray, ...]
+    seen: tuple[np.ndarray, ...] | None = None
+
+    @property
+    def of_frames(self) -> tuple[np.ndarray, ...]:
+        """Weights (K,) or (G, K) behind the moments of every group of frames."""
+        return (self.weight,) * len(self.mean) if self.seen is None else self.seen
 
     def pooled(self, labels: np.ndarray, count: int) -> "Moments":
         """Moments of ``count`` unions of groups, none of them empty."""

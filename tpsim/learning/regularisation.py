@@ -122,11 +122,11 @@ def data_floors(total: Moments, parts: Moments) -> tuple[Floor, ...]:
     if not fallback > 0:
         raise ArgumentError("all samples are the same point; a Gaussian needs samples that differ")
     floors = []
-    for mean, scatter, part, scale in zip(
-        total.mean, total.scatter, parts.scatter, scales, strict=True
+    for mean, scatter, part, scale, weight in zip(
+        total.mean, total.scatter, parts.scatter, scales, parts.of_frames, strict=True
     ):
-        count = np.maximum(parts.weight, 1.0)
-        further = ((mean.shape[-1] + 1) / count)[:, None, None]
+        count = np.maximum(weight, 1.0)
+        further = ((mean.shape[-1] + 1) / count)[..., None, None]
         share = np.maximum(further * SPREAD**2, LEAST**2)
         few = np.clip(further**2 * WIDE**2, LEAST**2, 1.0)
         # A frame in which nothing moves has no scale of its own: it takes the largest one.

@@ -5,9 +5,8 @@ R^n (:func:`tpsim.learning.em.maximise`, with all covariance structures and floo
 moves along the tangent vector found, and covariances and floors are carried to where it ends.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,128 +14,14 @@ from tpsim.gaussian import Gaussian
 from tpsim.learning.em import Limits, Mixture, maximise
 from tpsim.learning.moments import Moments
 from tpsim.learning.regularisation import Floor, Ridge, data_floors
-from tpsim.learning.statistics import FAINTEST, Components
+from tpsim.learning.statistics import Components
 from tpsim.learning.subspace import FULL, Structure
-from tpsim.learning.tangent_sums import Sums, log_densities, whitening_of
+from tpsim.learning.tangents import Charted, Tangents
 from tpsim.manifold.gaussian import RiemannianGaussian, carried, shifted
-from tpsim.manifold.manifold import Manifold
-
-BLOCK_BYTES = 2**18
-"""Tangent vectors of one block of samples: what stays in the processor's cache."""
-
-SETTLING = 3
-"""Steps of a weighted mean towards the point at which its tangent vectors sum to zero."""
 
 
-@dataclass(frozen=True, eq=False)
-class Charted:
-    """A mixture in tangent spaces: its components are about zero, at base points.
-
-    Parameters
-    ----------
-    mixture : Mixture
-    bases : tuple of (G, K, width)
-        Means, per group of frames.
-    """
-
-    mixture: Mixture
-    bases: tuple[np.ndarray, ...]
-
-
-class TangentSamples:
-    """N samples seen from P frames on manifolds, ready for the passes of EM.
-
-    Parameters
-    ----------
-    manifolds : sequence of P Manifold
-    views : sequence of P arrays (N, width_j), points of the manifolds
-
-    Attributes
-    ----------
-    groups : tuple of tuples of int
-        Frames of equal manifold are handled together.
-    of_frames : tuple of P Manifold
-    count : int
-    """
-
-    def __init__(self, manifolds: Sequence[Manifold], views: Sequence[np.ndarray]):
-        self.of_frames = tuple(manifolds)
-        self.manifolds = tuple(dict.fromkeys(manifolds))
-        self.groups = tuple(
-            tuple(j for j, one in enumerate(manifolds) if one == kind) for kind in self.manifolds
-        )
-        self.count = len(views[0])
-        # Coordinates first: what belongs to one of them lies together in memory.
-        self._columns = [
-            np.stack([np.ascontiguousarray(views[j].T) for j in group]) for group in self.groups
-        ]
-        self._views = views
-
-    def _blocks(self, components: int) -> Iterator[slice]:
-        size = sum(
-            len(g) * m.dim * components for g, m in zip(self.groups, self.manifolds, strict=True)
-        )
-        rows = max(64, BLOCK_BYTES // (8 * size))
-        return (slice(n, min(n + rows, self.count)) for n in range(0, self.count, rows))
-
-    def _tangents(self, rows: slice, bases: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """Tangent vectors (G, K, dim, n) of a block of samples at the bases."""
-        return [
-            manifold.work.log_of_columns(base, columns[..., rows])
-            for manifold, base, columns in zip(self.manifolds, bases, self._columns, strict=True)
-        ]
-
-    def log_densities(self, model: Charted) -> np.ndarray:
-        """Log density of every sample under every component, all frames together, (N, K)."""
-        whitening = [whitening_of(part.covariance) for part in model.mixture.components]
-        K = len(model.mixture.priors)
-        return np.concatenate(
-            [
-                log_densities(self._tangents(rows, model.bases), whitening).T
-                for rows in self._blocks(K)
-            ]
-        )
-
-    def expectation(self, model: Charted) -> tuple[float, Moments]:
-        """Mean log-likelihood, Eq. (49), and moments in the tangent spaces, in one pass."""
-        whitening = [whitening_of(part.covariance) for part in model.mixture.components]
-        bias = np.log(model.mixture.priors)[:, None]
-        total, log_likelihood = Sums(model.bases, self.manifolds), 0.0
-        for rows in self._blocks(len(bias)):
-            tangents = self._tangents(rows, model.bases)
-            joint = log_densities(tangents, whitening)
-            joint += bias
-            top = joint.max(0)
-            joint -= top
-            np.exp(np.maximum(joint, FAINTEST, out=joint), out=joint)
-            evidence = joint.sum(0)
-            joint /= evidence
-            log_likelihood += float((top + np.log(evidence)).sum())
-            total.add(joint, tangents)
-        return log_likelihood / self.count, total.moments()
-
-    def moments(self, h: np.ndarray, bases: Sequence[np.ndarray]) -> Moments:
-        """Moments in the tangent spaces at the bases for responsibilities (N, K), Eqs (50-52)."""
-        total = Sums(bases, self.manifolds)
-        for rows in self._blocks(h.shape[1]):
-            total.add(np.ascontiguousarray(h[rows].T), self._tangents(rows, bases))
-        return total.moments()
-
-    def means(self, h: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Weighted means (G, K, width) for responsibilities (N, K)."""
-        bases = tuple(
-            np.stack([manifold.work.centre(self._views[j], h.T) for j in group])
-            for group, manifold in zip(self.groups, self.manifolds, strict=True)
-        )
-        if all(manifold.flat for manifold in self.manifolds):
-            return bases
-        for _ in range(SETTLING):
-            found = self.moments(h, bases).mean
-            bases = tuple(
-                manifold.work.exp(base, step)
-                for manifold, base, step in zip(self.manifolds, bases, found, strict=True)
-            )
-        return bases
+class TangentSamples(Tangents):
+    """Samples with the steps of EM between their passes."""
 
     def begin(
         self, h: np.ndarray, structure: Structure, ridge: float | None
@@ -162,39 +47,6 @@ class TangentSamples:
         )
         zeros = tuple(np.zeros_like(mean) for mean in parts.mean)
         return data_floors(Moments(total.weight, zeros, spread), parts)
-
-    @cached_property
-    def centres(self) -> tuple[np.ndarray, ...]:
-        """Means (G, 1, width) of all samples."""
-        return self.means(np.ones((self.count, 1)))
-
-    @cached_property
-    def _total(self) -> Moments:
-        return self.moments(np.ones((self.count, 1)), self.centres)
-
-    def in_tangent_spaces(self) -> list[np.ndarray]:
-        """Tangent vectors (N, dim_j) of all samples at their means, per frame."""
-        found = {
-            j: x[0].T
-            for group, part in zip(
-                self.groups, self._tangents(slice(None), self.centres), strict=True
-            )
-            for j, x in zip(group, part, strict=True)
-        }
-        return [found[j] for j in range(len(found))]
-
-    def farthest(self, views: Sequence[np.ndarray]) -> float:
-        """Largest angle [rad] among tangent vectors (N, dim_j), of what is not flat."""
-        return max(
-            (
-                float(np.sqrt(np.vecdot(v, v).max()))
-                for manifold, view in zip(self.of_frames, views, strict=True)
-                for block in manifold.work.blocks
-                if not block.space.flat
-                for v in [view[:, block.rows]]
-            ),
-            default=0.0,
-        )
 
     def placed(self, priors: np.ndarray, frames: Sequence[Gaussian]) -> Charted:
         """A mixture (K,) in the tangent spaces at the means of all samples, on the manifolds."""

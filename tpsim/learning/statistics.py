@@ -62,6 +62,9 @@ class Samples:
         Number of samples N.
     """
 
+    _own = 0
+    """Further features, which a subclass appends."""
+
     def __init__(self, views: Sequence[np.ndarray], memory: Memory | None = None):
         dims = [view.shape[1] for view in views]
         self.dims = tuple(sorted(set(dims)))
@@ -81,6 +84,7 @@ class Samples:
             len(group) * (d + d * (d + 1) // 2)
             for group, d in zip(self.groups, self.dims, strict=True)
         )
+        self._size += self._own
         rows = max(64, BLOCK_BYTES // (8 * self._size))
         self._slices = [slice(n, n + rows) for n in range(0, self.count, rows)]
         small = 8 * self._size * self.count <= CACHE_BYTES
@@ -181,7 +185,7 @@ class Samples:
 
     def _assembled(self, parts: list[np.ndarray]) -> np.ndarray:
         n = parts[0].shape[-1]
-        features = np.empty((self._size, n))
+        features = np.empty((self._size - self._own, n))
         features[0] = 1.0
         start = 1
         for part in parts:

@@ -16,6 +16,7 @@ from tpsim.learning.fit import Options, Start, Views, fit, seen_by_frames
 from tpsim.learning.fit_on import fit_on
 from tpsim.learning.free_movement import Relevance
 from tpsim.learning.gmm import GMM, checked_priors, log_priors, log_sum, posterior
+from tpsim.learning.hidden import Observed, say_if_hidden
 from tpsim.learning.moments import Memory
 from tpsim.learning.product import (
     checked_frames,
@@ -165,9 +166,10 @@ class TPGMM(Stored):
             gaussians = product_of_frames(self._stack, frames, prior, unsure)
         return GMM.trusted(self.priors, gaussians)
 
-    def log_joint(self, observations: object) -> np.ndarray:
-        """Log of prior times densities in all frames for every component, (N, K)."""
-        views = seen_by_frames(observations).views
+    def log_joint(self, observations: object, observed: object = None) -> np.ndarray:
+        """Log of prior times densities in all frames that saw it for every component, (N, K)."""
+        given = seen_by_frames(observations, observed)
+        views = given.views
         widths = [frame.mean.shape[-1] for frame in self.frames]
         if [view.shape[1] for view in views] != widths:
             raise ArgumentError(
@@ -175,18 +177,20 @@ class TPGMM(Stored):
                 f"have dimensions {widths}"
             )
         seen = zip(self.frames, views, strict=True)
-        return log_priors(self.priors) + sum(one.log_density(view[:, None]) for one, view in seen)
+        parts = [one.log_density(view[:, None]) for one, view in seen]
+        if given.observed is not None:
+            parts = [
+                np.where(o[:, None], p, 0.0) for o, p in zip(given.observed.T, parts, strict=True)
+            ]
+        return log_priors(self.priors) + sum(parts)
 
-    def log_likelihood(self, observations: Views) -> np.ndarray:
-        """Log-likelihood of every sample, (N,); its mean compares with history.
+    def log_likelihood(self, observations: Views, observed: Observed = None) -> np.ndarray:
+        """Log-likelihood of every sample, (N,); its mean compares with history."""
+        return log_sum(self.log_joint(observations, observed))
 
-        ``observations`` are demonstrations or P arrays (N, d_j), as for :func:`fit_tp_gmm`.
-        """
-        return log_sum(self.log_joint(observations))
-
-    def responsibilities(self, observations: Views) -> np.ndarray:
+    def responsibilities(self, observations: Views, observed: Observed = None) -> np.ndarray:
         """Posterior of every component for every sample, Eq. (49), (N, K)."""
-        return posterior(self.log_joint(observations))
+        return posterior(self.log_joint(observations, observed))
 
     def _stack(self, group: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
         """Means (G, K, d) and precisions (G, K, d, d) of frames of equal dimension."""
@@ -214,6 +218,7 @@ def fit_tp_gmm(
     restarts: int = 0,
     time: ArrayLike | None = None,
     manifold: Manifold | Sequence[Manifold] | None = None,
+    observed: Observed = None,
     rng: Seed = None,
 ) -> TPGMM:
     """Fit a task-parameterized Gaussian mixture by EM, Eqs (49-52), or (57-68) in subspaces.
@@ -250,6 +255,10 @@ def fit_tp_gmm(
     manifold : Manifold or sequence of P Manifold, optional
         On which the observations live, such as ``R(3) * S3``, of all frames or of each; by
         default R^n. Components then are :class:`~tpsim.RiemannianGaussian`.
+    observed : (N, P), or one array (T_m, P) for every demonstration, optional
+        False where a frame was hidden; by default all saw all. EM is then that of the marginal
+        likelihood: only frames count that saw a sample; what others hold there, also NaN in
+        arrays, does not matter. Such a model has no memory for ``update_tp_gmm``.
     rng : numpy Generator or seed, optional
         Draws the k-means seeds; default a fixed seed, so that the same data give the same model.
 
@@ -260,8 +269,8 @@ def fit_tp_gmm(
     Raises
     ------
     ArgumentError
-        NaN, fewer than two samples, more components than samples that differ, all samples the
-        same, shapes that do not fit, or options outside their range.
+        NaN, a frame that saw nothing, fewer than two samples, more components than samples that
+        differ, all samples the same, shapes that do not fit, or options outside their range.
 
     Notes
     -----
@@ -271,15 +280,17 @@ def fit_tp_gmm(
     HDDC, MFA and MPPCA already has that structure (under a floor); ``history`` ends with the
     likelihood of the model that is returned, not of the one before.
     """
-    seen = seen_by_frames(demonstrations)
+    seen = seen_by_frames(demonstrations, observed)
     if isinstance(start, TPGMM):
         start = start.priors, start.frames
     options = Options(covariance, start, ridge, tolerance, max_iterations, restarts, time, rng)
     if manifold is not None:
         found = fit_on(manifold, seen, components, options)
         count = found.samples.count
+        say_if_hidden(found.hidden)
         return TPGMM(found.priors, found.frames, found.history, count, found.structure)
     fitted = fit(seen, components, options)
+    say_if_hidden(fitted.hidden)
     return TPGMM(
         fitted.priors,
         fitted.frames,

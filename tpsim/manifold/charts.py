@@ -40,6 +40,9 @@ class Charts:
         self.single, self.width, self.dim = tuple(found), column, row
         self.flat = all(space.flat for space in spaces)
 
+    def __str__(self) -> str:
+        return " * ".join(str(block.space) for block in self.single)
+
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
         """Factors with their places, neighbours that are flat as one."""

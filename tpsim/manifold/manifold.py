@@ -15,13 +15,11 @@ from tpsim.checks import choice, dimensions, finite_array, instance, several
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.manifold.charts import Charts
+from tpsim.manifold.frames import RIGID, check_columns, check_rigid
 from tpsim.manifold.orientations import Rotations
 from tpsim.manifold.spaces import Circle, Euclidean, Moves, Space
 from tpsim.manifold.sphere import Sphere
 from tpsim.manifold.unit import off_orthonormal
-
-RIGID = 1e-9
-"""How far A A' may be off the identity where lengths are kept."""
 
 
 class Factors(NamedTuple):
@@ -225,9 +223,9 @@ class Manifold(Part):
         """
         frame = instance("frame", frame, Frame, "give Frame(A, b)")
         if self._of_columns(frame):
-            return self._checked(frame)
+            return check_columns(self.work, frame)
         A, b = frame.A, frame.b
-        self._check_rigid(A)
+        check_rigid(self.work, A)
         parts = [space.lifted(A, b) for space in self.spaces]
         lead = A.shape[:-2]
         whole, offset = np.zeros((*lead, self.width, self.width)), np.zeros((*lead, self.width))
@@ -241,50 +239,14 @@ class Manifold(Part):
         The latter (..., dim, dim) lead from points to images; and whether they keep lengths.
         """
         if self._of_columns(frame):
-            A = self._checked(frame).A
+            A = check_columns(self.work, frame).A
             y = np.matmul(A, x[..., None])[..., 0] + frame.b
             return y, self.work.turned(A, x, y), off_orthonormal(A) < RIGID
-        off = self._check_rigid(frame.A)
+        off = check_rigid(self.work, frame.A)
         return *self.work.moved(frame.A, frame.b, x), off < RIGID
 
     def _of_columns(self, frame: Frame) -> bool:
         return frame.A.shape[-1] == self.width and not self._lone
-
-    def _check_rigid(self, A: np.ndarray) -> float:
-        """How far a frame's A (..., n, n) is off a rotation or reflection; ArgumentError if far."""
-        if A.shape[-1] != A.shape[-2]:
-            raise ArgumentError(
-                f"A has shape {A.shape}; frames of {self} are square: what not all frames see in "
-                "full is for a TPGMM in R^n"
-            )
-        off = off_orthonormal(A)
-        if self.work.flat:
-            if (np.abs(np.linalg.det(A)) < 1e-12 * np.abs(A).max((-2, -1)) ** A.shape[-1]).any():
-                raise ArgumentError("a frame's A is singular; give an invertible one")
-        elif off > 1e-6:
-            raise ArgumentError(
-                "A is no rotation: a frame that scales or shears has no orientation; give a "
-                "rigid motion"
-            )
-        return off
-
-    def _checked(self, frame: Frame) -> Frame:
-        """The frame, or an ArgumentError where it leads off the manifold."""
-        A, b = frame.A, frame.b
-        if A.shape[-2] != self.width:
-            raise ArgumentError(f"A has shape {A.shape}; {self} has {self.width} columns")
-        inside = np.zeros((self.width, self.width), bool)
-        for space, columns, _ in self.work.blocks:
-            inside[columns, columns] = True
-            if space.wrong(A[..., columns, columns], b[..., columns]):
-                raise ArgumentError(
-                    f"a frame's A and b in columns {columns.start} to {columns.stop - 1} lead off "
-                    f"{space}; give an invertible A for R, a rotation for S2, a left "
-                    "multiplication by a unit quaternion for S3 (Manifold.frame makes one)"
-                )
-        if np.abs(A[..., ~inside]).max(initial=0.0) > 1e-9:
-            raise ArgumentError(f"a frame's A mixes factors of {self}; give one block for each")
-        return frame
 
 
 def R(n: int, moves: Moves = "points") -> Manifold:

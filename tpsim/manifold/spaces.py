@@ -93,9 +93,9 @@ class Space(Part, ABC):
 
     def moved(self, A: np.ndarray, b: np.ndarray, x: np.ndarray, out: np.ndarray) -> np.ndarray:
         """Tangent map (..., dim, dim) of a frame of the plane or of space, and images of points."""
-        lifted, shift = self.lifted(A, b)
-        out[...] = np.matmul(lifted, x[..., None])[..., 0] + shift
-        return self.turned(lifted, x, out)
+        turn, move = self.lifted(A, b)
+        out[...] = np.matmul(turn, x[..., None])[..., 0] + move
+        return self.turned(turn, x, out)
 
     @abstractmethod
     def turned(self, A: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:

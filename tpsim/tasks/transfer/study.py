@@ -17,8 +17,7 @@ from tpsim.study.record import Record, Records
 from tpsim.study.study import ControllerFactory, Lab, Phases, Plan, Study
 from tpsim.task.task import Situation, draw_situation
 from tpsim.tasks.transfer import docks, experts, pictures
-from tpsim.tasks.transfer.task import SEEN, Transfer, lesson_between
-from tpsim.tasks.workplace import size_of
+from tpsim.tasks.transfer.task import MOVEMENT, SEEN, Transfer, lesson_between
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.hold import Hold
 from tpsim.world.people.push import Push
@@ -28,10 +27,16 @@ from tpsim.world.teaching import Lesson
 from tpsim.world.world import World
 
 PUSH = 10.0
-"""Force on the hand of an arm of size 1 [N], for two seconds."""
+"""Force on the hand of an arm of size 1 [N], for two seconds or to the end."""
 
 PUSHED = (1.0, 3.5)
 """A push begins at a time drawn from this range [s]."""
+
+PUSHED_LAST = (MOVEMENT - 0.5, MOVEMENT + 0.5)
+"""A push that lasts to the end of the trial begins at a time drawn from this range [s]."""
+
+TO_THE_END = "pushed to the end"
+"""Label of such pushes."""
 
 MOVED = (2.0, 4.0)
 """When docks that move leave their place, and are in another [s]."""
@@ -47,6 +52,10 @@ HOLD, HELD = 5.0, (0.5, 5.0)
 
 BY: dict[str, Literal["clock", "state"]] = {"by clock": "clock", "by state": "state"}
 """Controllers that are held: what says how far the movement has come."""
+
+NEAR = ("unpushed", "pushed", TO_THE_END)
+FAR = ("far", "far pushed", f"far {TO_THE_END}")
+"""Labels of the trials within the taught range, and far from it."""
 
 _MOVES, _HOLDS = 3, 4
 
@@ -68,7 +77,11 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
         ]
         for k in range(plan.pushes):
             label, situation = ("far pushed", far) if k % 2 else ("pushed", near)
-            found.append(Condition(label, situation, push=(_push(rng, size_of(lab.world.robot)),)))
+            # Of either kind every other one.
+            to_the_end = k % 4 >= 2
+            label = label.replace("pushed", TO_THE_END) if to_the_end else label
+            push = _push(rng, task, to_the_end)
+            found.append(Condition(label, situation, push=(push,)))
         start = float(plan.rng(_HOLDS, index).uniform(*HELD))
         hold = (Hold(docks.GRIPPER, start, HOLD),)
         for name in BY:
@@ -111,10 +124,12 @@ def _moved(situation: Situation, elsewhere: docks.Docks) -> Situation:
     return replace(situation, objects=tuple(moving))
 
 
-def _push(rng: np.random.Generator, size: float) -> Push:
+def _push(rng: np.random.Generator, task: Transfer, to_the_end: bool) -> Push:
     force = rng.standard_normal(3)
-    force *= PUSH * size / np.linalg.norm(force)
-    return Push(docks.GRIPPER, tuple(force.tolist()), start=float(rng.uniform(*PUSHED)))
+    force *= PUSH * task.size / np.linalg.norm(force)
+    start = float(rng.uniform(*(PUSHED_LAST if to_the_end else PUSHED)))
+    lasts = task.duration - start if to_the_end else 2.0
+    return Push(docks.GRIPPER, tuple(force.tolist()), start, lasts)
 
 
 def path_rms(record: Record) -> float | None:
@@ -199,10 +214,12 @@ def seen_ratio(records: Records) -> float:
 
 
 MEASURES = (
-    *_end("end", ("unpushed", "pushed"), "End from the second dock, worst"),
+    *_end("end", NEAR, "End from the second dock, worst"),
     *_end("end_pushed", "pushed", "End after a push, worst"),
+    *_end("end_while_pushed", TO_THE_END, "End while a push lasts, worst"),
     *_end("end_moved", "moved", "End where the docks have moved, worst"),
-    *_end("end_far", ("far", "far pushed"), "End twice as far from what was taught, worst"),
+    *_end("end_far", FAR, "End twice as far from what was taught, worst"),
+    *_end("end_far_while_pushed", FAR[-1], "The same while a push lasts, worst"),
     Measure(
         "path_rms_mm",
         of=path_rms,
@@ -228,13 +245,13 @@ MEASURES = (
     health.DIVERGED,
     replace(
         health.CONTACTS,
-        whole=partial(health.contacts, label=("unpushed", "pushed")),
+        whole=partial(health.contacts, label=NEAR),
         title="Trials in which the hand or its cube touched a dock, or anything else",
     ),
     replace(
         health.CONTACTS,
         name="contacts_far",
-        whole=partial(health.contacts, label=("far", "far pushed")),
+        whole=partial(health.contacts, label=FAR),
         limit=None,
         title="The same, twice as far from what was taught",
     ),

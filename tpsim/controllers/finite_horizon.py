@@ -46,7 +46,7 @@ HOLD = 400.0
 """Stiffness [1/s^2] of the joints that do not belong to the arm."""
 
 
-def effort_of(robot: Robot, joints: Sequence[str]) -> float:
+def effort_of(robot: Robot, joints: tuple[str, ...]) -> float:
     """Cost of torque [1/(Nm)^2] with which a usual deviation is worth all that springs may pull.
 
     ``1 / (STRENGTH limit)^2``, the mean over the motors of some joints.

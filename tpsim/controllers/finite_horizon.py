@@ -46,6 +46,15 @@ HOLD = 400.0
 """Stiffness [1/s^2] of the joints that do not belong to the arm."""
 
 
+def effort_of(robot: Robot, joints: tuple[str, ...]) -> float:
+    """Cost of torque [1/(Nm)^2] with which a usual deviation is worth all that springs may pull.
+
+    ``1 / (STRENGTH limit)^2``, the mean over the motors of some joints.
+    """
+    pulls = STRENGTH * robot.torque_limit[robot.index(joints)]
+    return float(np.mean(pulls**-2.0))
+
+
 class FiniteHorizon(RenewedImpedance):
     """A hand carried along a movement that objects see, by finite-horizon LQT (Eqs 34-38).
 
@@ -77,7 +86,7 @@ class FiniteHorizon(RenewedImpedance):
     effort : float
         Cost r of torque [1/(Nm)^2], against the log-likelihood of the movement.
     period : float
-        Time for which stiffness, damping and the velocity of the reference last [s].
+        Time for which an impedance lasts [s].
     chain : SemiMarkovChain, optional
         Of the movement's states, with durations in steps of ``dt`` that add up to it. Progress is
         then inferred from the hand: held it stands still, pushed on it hurries. By default the
@@ -180,8 +189,8 @@ class FiniteHorizon(RenewedImpedance):
             return Impedance(HOLD * mass, 2 * HOLD**0.5 * mass, self._rest)
         seen = self._view(state)
         J, M = seen.jacobian[:, arm], state.mass
-        when, pace = (time, 1.0) if self._progress is None else self._progress.at(state, time)
-        step, spring, change = self._law(when)
+        when = time if self._progress is None else self._progress.at(state, time)[0]
+        step, spring = self._law(when)
         lever = J.T @ self._felt_inertia(M[arm, arm], J)
         null = M[arm, arm] - lever @ J
         swivel = null @ self._swivels[step]
@@ -195,12 +204,11 @@ class FiniteHorizon(RenewedImpedance):
         # Only what pulls is cut: the brakes must hold what it has set in motion.
         cut = max(1.0, np.sqrt(pull * pull @ self._weakest))
         stiffness[arm, arm] /= cut
-        wanted = np.stack([pull, pace * lever @ (change @ y)], axis=1) / cut
-        way, speed = np.linalg.solve(stiffness[arm, arm], wanted).T
-        way -= np.linalg.solve(stiffness[arm, arm], damping[arm, arm] @ speed)
-        reference, velocity = self._rest.copy(), np.zeros(state.robot.n)
-        reference[arm], velocity[arm] = state.q[arm] + way, speed
-        return Impedance(stiffness, damping, reference, velocity)
+        reference = self._rest.copy()
+        # How the pull changes within a period is left out: where springs are soft, a reference that
+        # moves would hold many times the energy of the movement.
+        reference[arm] = state.q[arm] + np.linalg.solve(stiffness[arm, arm], pull / cut)
+        return Impedance(stiffness, damping, reference)
 
     def _look(self, state: State, time: float) -> None:
         """Plan, if there is none or an object has moved since, or is known otherwise."""
@@ -246,13 +254,11 @@ class FiniteHorizon(RenewedImpedance):
         kept = slice(len(rest[0]) + 1)
         self._first, self._brakes = first, feedback.gain[kept, :, 6:]
         self._springs = np.dstack([-feedback.gain[..., :6], feedback.feedforward])[kept]
-        self._slopes = np.diff(self._springs, axis=0)
 
-    def _law(self, time: float) -> tuple[int, np.ndarray, np.ndarray]:
-        """Step of the movement, and spring there with its rate of change, linear between steps."""
+    def _law(self, time: float) -> tuple[int, np.ndarray]:
+        """Step of the movement, and spring there, linear between steps."""
         since = time / self.dt - self._first
-        k = min(max(int(since), 0), len(self._slopes) - 1)
+        k = min(max(int(since), 0), len(self._springs) - 2)
         share = min(max(since - k, 0.0), 1.0)
-        rate = self._slopes[k] / self.dt if share < 1 else np.zeros_like(self._slopes[k])
         step = min(k + self._first, self._steps - 1)
-        return step, self._springs[k] + share * self._slopes[k], rate
+        return step, (1 - share) * self._springs[k] + share * self._springs[k + 1]

@@ -29,9 +29,11 @@ DEMONSTRATION = "Demonstration: from dock to dock"
 _TEXTS = {
     "unpushed": "as taught",
     "pushed": "pushed",
+    "pushed to the end": "pushed to the end",
     "moved": "docks move",
     "far": "twice as far",
     "far pushed": "far, pushed",
+    "far pushed to the end": "far, pushed to the end",
 }
 
 

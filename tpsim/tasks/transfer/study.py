@@ -27,10 +27,16 @@ from tpsim.world.teaching import Lesson
 from tpsim.world.world import World
 
 PUSH = 10.0
-"""Force on the hand of an arm of size 1 [N], for two seconds."""
+"""Force on the hand of an arm of size 1 [N], for two seconds or to the end."""
 
 PUSHED = (1.0, 3.5)
 """A push begins at a time drawn from this range [s]; these and all times go with the pace."""
+
+PUSHED_LAST = (-0.5, 0.5)
+"""A push that lasts to the end of the trial begins so long after the movement's end [s]."""
+
+TO_THE_END = "pushed to the end"
+"""Label of such pushes."""
 
 MOVED = (2.0, 4.0)
 """When docks that move leave their place, and are in another [s]."""
@@ -43,6 +49,10 @@ ENDED = 0.5
 
 HOLD, HELD = 5.0, (0.5, 5.0)
 """How long a person holds the hand still [s], from a time on that is drawn from this range [s]."""
+
+NEAR = ("unpushed", "pushed", TO_THE_END)
+FAR = ("far", "far pushed", f"far {TO_THE_END}")
+"""Labels of the trials within the taught range, and far from it."""
 
 _MOVES, _HOLDS = 3, 4
 
@@ -65,7 +75,11 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
         ]
         for k in range(plan.pushes):
             label, situation = ("far pushed", far) if k % 2 else ("pushed", near)
-            found.append(Condition(label, situation, push=(_push(rng, task.size, pace),)))
+            # Of either kind every other one.
+            to_the_end = k % 4 >= 2
+            label = label.replace("pushed", TO_THE_END) if to_the_end else label
+            push = _push(rng, task, to_the_end)
+            found.append(Condition(label, situation, push=(push,)))
         start = pace * float(plan.rng(_HOLDS, index).uniform(*HELD))
         hold = (Hold(docks.GRIPPER, start, HOLD),)
         for name in BY:
@@ -115,9 +129,12 @@ def _moved(situation: Situation, elsewhere: docks.Docks, pace: float) -> Situati
     return replace(situation, objects=tuple(moving))
 
 
-def _push(rng: np.random.Generator, size: float, pace: float) -> Push:
-    force = rng.standard_normal(3)
-    force *= PUSH * size / np.linalg.norm(force)
+def _push(rng: np.random.Generator, task: Transfer, to_the_end: bool) -> Push:
+    force, pace = rng.standard_normal(3), task.layout.pace
+    force *= PUSH * task.size / np.linalg.norm(force)
+    if to_the_end:
+        start = task.layout.movement + float(rng.uniform(*PUSHED_LAST))
+        return Push(docks.GRIPPER, tuple(force.tolist()), start, task.duration - start)
     return Push(docks.GRIPPER, tuple(force.tolist()), start=pace * float(rng.uniform(*PUSHED)))
 
 
@@ -203,10 +220,12 @@ def seen_ratio(records: Records) -> float:
 
 
 MEASURES = (
-    *_end("end", ("unpushed", "pushed"), "End from the second dock, worst"),
+    *_end("end", NEAR, "End from the second dock, worst"),
     *_end("end_pushed", "pushed", "End after a push, worst"),
+    *_end("end_while_pushed", TO_THE_END, "End while a push lasts, worst"),
     *_end("end_moved", "moved", "End where the docks have moved, worst"),
-    *_end("end_far", ("far", "far pushed"), "End twice as far from what was taught, worst"),
+    *_end("end_far", FAR, "End twice as far from what was taught, worst"),
+    *_end("end_far_while_pushed", FAR[-1], "The same while a push lasts, worst"),
     Measure(
         "path_rms_mm",
         of=path_rms,
@@ -232,13 +251,13 @@ MEASURES = (
     health.DIVERGED,
     replace(
         health.CONTACTS,
-        whole=partial(health.contacts, label=("unpushed", "pushed")),
+        whole=partial(health.contacts, label=NEAR),
         title="Trials in which the hand or its cube touched a dock, or anything else",
     ),
     replace(
         health.CONTACTS,
         name="contacts_far",
-        whole=partial(health.contacts, label=("far", "far pushed")),
+        whole=partial(health.contacts, label=FAR),
         limit=None,
         title="The same, twice as far from what was taught",
     ),

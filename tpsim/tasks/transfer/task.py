@@ -13,8 +13,10 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from tpsim.border import Positive
 from tpsim.control.poses import SeenMovement
-from tpsim.controllers.finite_horizon import FiniteHorizon
+from tpsim.controllers.finite_horizon import FiniteHorizon, effort_of
+from tpsim.controllers.minimal_intervention import bandwidth_for
 from tpsim.demonstration import Demonstration
 from tpsim.errors import SimulationError
 from tpsim.gaussian import Gaussian
@@ -41,8 +43,9 @@ from tpsim.world.world import World
 LASTS = 1.5
 """Time [s] for which a trial goes on when the movement is over."""
 
-DT = 0.03
-"""Time step of the plan [s]."""
+DT = 1 / (2 * np.pi * bandwidth_for())
+"""Time step of the plan [s], about. No gain of it is faster than 1/DT: the natural frequency that
+the control loop can bear."""
 
 ARRIVED = {"position": 0.005, "orientation": float(np.radians(3.0))}
 """Distance [m] and angle [rad] from the place in the second dock at which the hand is there."""
@@ -86,7 +89,8 @@ class Transfer(Task):
     robot : str
         One of the catalogue (``tpsim robots``), or of a file of yours.
     effort : float
-        Cost of torque [1/(Nm)^2]: the one number that sets how soft the arm is.
+        Cost of torque, over that with which a usual deviation is worth all that springs may pull
+        (:func:`~tpsim.controllers.finite_horizon.effort_of`): with 4 the arm is half as stiff.
     components : int
         Gaussians of the movement.
     samples : int
@@ -103,7 +107,7 @@ class Transfer(Task):
     """
 
     robot: str = DEFAULT
-    effort: float = 0.05
+    effort: Positive = 1.0
     components: int = 10
     samples: int = 150
     warp: float = 0.1
@@ -166,7 +170,7 @@ class Transfer(Task):
 
     def controller(self, world: World, models: Models, situation: Situation) -> FiniteHorizon:
         """GMR over time in every frame, then LQT of all of them."""
-        model = models["transfer"]
+        model, joints = models["transfer"], arm(world.robot, docks.GRIPPER)
         movement = self.layout.movement
         times = np.linspace(0.0, movement, round(movement / DT) + 1)
         *seen, posture = (gmr(GMM(model.priors, frame), times) for frame in model.frames)
@@ -182,10 +186,10 @@ class Transfer(Task):
             movements,
             # Too few demonstrations to tell how seven joints depend on each other.
             Gaussian(posture.mean, posture.covariance * np.eye(posture.dim)),
-            joints=arm(world.robot, docks.GRIPPER),
+            joints=joints,
             site=docks.GRIPPER,
-            dt=DT,
-            effort=self.effort,
+            dt=float(times[1]),
+            effort=self.effort * effort_of(world.robot, joints),
             chain=stays(model, times) if self.progress == "state" else None,
         )
 

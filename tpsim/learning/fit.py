@@ -107,9 +107,8 @@ def seen_by_frames(observations: object, observed: object = None) -> Seen:
         mask = observed_of(observed, lengths, len(views))
         return Seen(filled(views, mask), lengths, [d.time for d in demonstrations], mask)
     given: Sequence[object] = entries("observations", observations)
-    if observed is not None and given:
-        length = len(array_of("observations[0]", given[0]))
-        mask = observed_of(observed, [length], len(given))
+    if observed is not None and given and (first := array_of("observations[0]", given[0])).ndim:
+        mask = observed_of(observed, [len(first)], len(given))
         given = filled([array_of(f"observations[{j}]", view) for j, view in enumerate(given)], mask)
     views = [finite_array(f"observations[{j}]", view) for j, view in enumerate(given)]
     shapes = [view.shape for view in views]

@@ -16,7 +16,7 @@ from tpsim.retrieval.tp_gmr import Order
 from tpsim.robot.state import State
 from tpsim.world.impedance import Impedance
 
-PULL, PATIENCE = 0.12, 1.0
+PULL, PATIENCE = 0.12, 0.4
 """Share of the motors' torque that springs ask for where progress stands still, and the time [s]
 within which they grow so weak: who holds a hand would else let go a spring that is wound up."""
 

@@ -36,18 +36,16 @@ class TimedProduct:
         self._model = StackedModel(skill, self._stack) if self._inputs else None
         self._views = [Regression.of(GMM(skill.model.priors, frame)) for frame in frames]
         self._order, self._prior, self._times = order, prior, times
+        self._seen: tuple[State, np.ndarray, np.ndarray] | None = None
         # What frames retrieve depends on no state: all at once, before the movement begins.
         self._known = None if self._inputs else self._local(times)
 
     def step(self, state: State, time: float) -> Gaussian:
         """Step (n,) from the present posture that the movement asks for at a time."""
-        lead, size = self._inputs, self._stack.size
-        y, J = np.zeros(size), np.zeros((size, lead + state.robot.n))
-        self._stack.see(state, y, J[:, lead:])
+        lead, (y, J) = self._inputs, self._see(state)
         if self._model is None:
             weights, precision, mean = self._at(time)
         else:
-            J[[block.start for block in self._blocks], 0] = 1.0
             precision, mean = self._model.precision, self._model.mean
         WJ = precision @ J
         product = J.T @ WJ
@@ -60,6 +58,17 @@ class TimedProduct:
             return _regression(self._model.log_priors, product, target).at(time)
         covariance = np.linalg.inv(product)
         return mixed_moments(weights, Gaussian.trusted((covariance @ target)[..., 0], covariance))
+
+    def _see(self, state: State) -> tuple[np.ndarray, np.ndarray]:
+        """Views (m,) and their Jacobians (m, n), after that of the time where there is one."""
+        if self._seen is None or self._seen[0] is not state:
+            lead, size = self._inputs, self._stack.size
+            y, J = np.zeros(size), np.zeros((size, lead + state.robot.n))
+            self._stack.see(state, y, J[:, lead:])
+            if lead:
+                J[[block.start for block in self._blocks], 0] = 1.0
+            self._seen = state, y, J
+        return self._seen[1:]
 
     def _at(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Weights (K,), precision (K, m, m), mean (K, m) of what all frames retrieve at a time."""

@@ -114,6 +114,8 @@ class ProgressFilter:
         leave[chain.transitions.sum(1) == 0] = 0.0  # nothing follows: the movement rests there
         self._leave = leave
         self._transitions = self.pace.transitions
+        # Who asks what is foreseen asks for the same again once more is seen.
+        self._last: tuple[Belief, np.ndarray] | None = None
 
     def start(self, log_densities: ArrayLike) -> Belief:
         """What is known once the first observation is there.
@@ -168,7 +170,11 @@ class ProgressFilter:
 
     def _passed(self, belief: Belief) -> np.ndarray:
         """Probabilities (V, K, L) after a time step, before anything is seen."""
-        p = instance("belief", belief, Belief).probability
+        if self._last is None or self._last[0] is not belief:
+            self._last = belief, self._pass(instance("belief", belief, Belief).probability)
+        return self._last[1]
+
+    def _pass(self, p: np.ndarray) -> np.ndarray:
         p = np.tensordot(self._transitions, p, axes=(0, 0))
         for ticks in range(1, len(p)):
             p[ticks:] = self._tick(p[ticks:])

@@ -68,20 +68,21 @@ def held_measures(
     Parameters
     ----------
     controller : str
-        ``"by state"``, of which 1.3 times and 20 % of a motor's torque are asked at most; the
-        figures of another one end in its name, and are there to compare.
+        ``"learned"``, the task's own, or ``"by state"``, of which 1.3 times and 20 % of a motor's
+        torque are asked at most; figures ``"by clock"`` end in that, and are there to compare.
     title : str
         What reports call the ratio.
     ends : callable
         As for :func:`held_ratio`.
     """
-    suffix = "" if controller == "by state" else f"_{controller.replace(' ', '_')}"
+    suffix = "_by_clock" if controller == "by clock" else ""
+    named = "" if controller == "learned" else f", {controller}"
     return (
         Measure(
             f"held_ratio{suffix}",
             whole=held_ratio(controller, *ends),
             limit=None if suffix else 1.3,
-            title=f"{title}, {controller}",
+            title=f"{title}{named}",
         ),
         Measure(
             f"release_jump{suffix}_percent",
@@ -90,6 +91,6 @@ def held_measures(
             label="held",
             controller=controller,
             limit=None if suffix else 20.0,
-            title=f"Largest jump of torque at letting go, of the motors' limits, {controller}",
+            title=f"Largest jump of torque at letting go, of the motors' limits{named}",
         ),
     )

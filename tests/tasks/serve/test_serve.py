@@ -112,17 +112,16 @@ def test_pushes_and_holds_go_round_all_parts(performed):
     (found,) = study.conditions(lab, Plan(seed=3, situations=1, pushes=5))
     kinds = [(c.label, c.controller) for c in found]
     assert kinds[:6] == [("unpushed", "learned")] + 5 * [("pushed", "learned")]
-    assert {c.controller for c in found if c.label == "held"} == {"by state", "by clock"}
+    assert {c.controller for c in found if c.label == "held"} == {"learned", "by clock"}
 
 
 def test_figures_of_held_hands(performed):
     condition, trial, models = performed
-    by_state = replace(condition, controller="by state")
-    records = Records(TASK, models, [(condition, trial), (by_state, trial)])
+    records = Records(TASK, models, [(condition, trial)])
     limit, hold = TASK.stage.robot.torque_limit, Hold(scene.LEFT, 4.0, 5.0)
     torque = np.zeros_like(trial["torque"])
     torque[trial.time > 9.0] = 0.1 * limit
-    held = replace(condition, label="held", controller="by state", hold=(hold,))
+    held = replace(condition, label="held", hold=(hold,))
     twice = records.add(held, other(trial, torque=torque))
     figures = {m.name: m.figure(records) for m in study.serve.all_measures if "held" in m.name}
     assert figures["held_ratio"] == pytest.approx(1.0)
@@ -155,14 +154,16 @@ def test_hands_are_looked_for_where_the_controller_wants_them(performed):
     controller, state = by_state(performed)
     progress = controller.progress
     progress.at(state(0), 0.0)
-    ways = progress._progress._passage.places.mean
+    hands = progress._cup_hand, progress._sugar_hand
     for tick in (40, 250, 270, 400, 500, 690):
         q = performed[1]["q"][3 * tick]
         for _ in range(6):
             step, _ = controller._between(state(0, q), 0.03 * tick, 0.0)
             q = q + step.mean
         # [m], [rad]: what is left is what spare joints ask of hands, and curvature.
-        assert np.abs(progress._hands(state(0, q)).value - ways[tick]).max() < 0.004
+        for hand in hands:
+            asked = hand._passage.places.mean[tick]
+            assert np.abs(hand._see(state(0, q)).value - asked).max() < 0.004
 
 
 def test_progress_is_seen_in_both_hands_and_stands_still_with_them(performed):

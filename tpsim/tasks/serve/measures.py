@@ -177,9 +177,9 @@ def _distances(name: str, part: str, label: str, title: str) -> tuple[Measure, M
 
 
 def _after_holding() -> tuple[Measure, ...]:
-    """What comes of being held, where state and where the clock says how far serving has come."""
+    """What comes of being held, of the task's own controller and of the one by the clock."""
     found = []
-    for name, suffix in (("by state", ""), ("by clock", "_by_clock")):
+    for name, suffix in (("learned", ""), ("by clock", "_by_clock")):
         limited = not suffix
         found += [
             Measure(
@@ -191,7 +191,7 @@ def _after_holding() -> tuple[Measure, ...]:
                 across=mean,
                 limit=90.0 if limited else None,
                 at_least=True,
-                title=f"The same, held for 5 s, {name}",
+                title="The same, held for 5 s" + (", by clock" if suffix else ""),
             ),
             *held_measures(name, "Pour and end after being held, beside unheld, worst", end),
         ]

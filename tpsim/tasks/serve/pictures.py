@@ -19,7 +19,7 @@ DEMONSTRATION = "Demonstration: serving"
 _KINDS = {
     "as taught": ("unpushed", "learned"),
     "pushed": ("pushed", "learned"),
-    "held, by state": ("held", "by state"),
+    "held": ("held", "learned"),
     "held, by clock": ("held", "by clock"),
 }
 """Label and controller of the trials of each kind."""
@@ -76,7 +76,7 @@ def clips(lab: Lab, records: Records) -> list[Clip]:
     for kind, subtitle in (
         ("as taught", "dock, sugar and bowl where they never were"),
         ("pushed", "a person pushes with 10 N"),
-        ("held, by state", "a person holds the hand for 5 s"),
+        ("held", "a person holds the hand for 5 s"),
     ):
         if found := records.select(*_KINDS[kind]):
             shown.append(_clip(lab.world, found[-1].trial, "Reproduction", subtitle, speed=2.0))

@@ -2,7 +2,8 @@
 
 Their way is what all frames retrieve of it together, in the present situation; where they are along
 it is inferred by the forward variable of a semi-Markov chain whose ticks may stand still or hurry
-(:mod:`tpsim.retrieval.progress`). Both arms share it: who holds one stops the other.
+(:mod:`tpsim.retrieval.progress`). Both arms share that of the hand that is behind: who holds one
+stops the other.
 """
 
 from collections.abc import Sequence
@@ -22,7 +23,6 @@ from tpsim.retrieval.progress import Pace
 from tpsim.retrieval.tp_gmr import at_equal_input
 from tpsim.robot.state import State
 from tpsim.robot.views.sites import Site, SiteView, as_rotation
-from tpsim.robot.views.view import Seen
 
 MOVED = 1e-4
 """Change of an object's position [m] or rotation matrix after which the way is another one."""
@@ -34,12 +34,12 @@ WORLD = Pose(np.eye(3), np.zeros(3))
 PACE = Pace(np.array([0.05, 0.9, 0.05]), 0.9)
 """Nobody interferes, as a rule; who does goes on for a third of a second."""
 
-_EACH = np.repeat([1.0, 5.0, 1.0], 3)
+_EACH = np.repeat([1.0, 5.0], 3)
 
 STRAY, SLIP = 0.008 * _EACH, 0.2 * _EACH
-"""How far [m], [rad] hands may be from their way besides what was taught, and the deviation of
-their velocities [m/s], [rad/s]. What they retrieve of the speed is uneven, so that it tells little:
-it would take hands that rest between two Gaussians for hands that are held."""
+"""How far [m], [rad] a hand may be from its way besides what was taught, and the deviation of its
+velocity [m/s], [rad/s]. What is retrieved of the speed is uneven, so that it tells little: hands
+that rest between two Gaussians would be taken for hands that are held."""
 
 LEAD, TEMPO = 0.12, ((-1.0, 0.0, 0.5, 1.0), (2.0, 1.0, 1.0, 0.0))
 """How far ahead of where hands are the movement is asked for at most [s], and how fast it goes on
@@ -96,10 +96,11 @@ class HandsProgress:
         self._between = retrieved(between)
         clock = GMM(model.priors, model.frames[0].marginal([0]))
         stays = clock.responsibilities(times[:, None]).argmax(1)
-        self._progress = ByState(SemiMarkovChain.along(stays), dt, PACE, STRAY, SLIP)
+        chain = SemiMarkovChain.along(stays)
+        self._cup_hand = ByState(chain, dt, PACE, STRAY, SLIP)
+        self._sugar_hand = ByState(chain, dt, PACE, STRAY[:3], SLIP[:3])
         self._asked = self._since = self._rate = 0.0
         self._seen: np.ndarray | None = None
-        self._view: SiteView | None = None
 
     def at(self, state: State, time: float) -> tuple[float, float]:
         """Time within the movement [s], and how much of it passes per second."""
@@ -109,24 +110,18 @@ class HandsProgress:
         if self._seen is None or np.abs(seen - self._seen).max() > MOVED:
             self._seen = seen
             self._follow(poses)
-        place, _ = self._progress.at(state, time)
+        # What we move ourselves is no evidence that nobody holds the other hand.
+        place = min(hand.at(state, time)[0] for hand in (self._cup_hand, self._sugar_hand))
         self._asked += self._rate * (time - self._since)
         self._since = time
         self._rate = float(np.interp((self._asked - place) / LEAD, *TEMPO))
         return self._asked, self._rate
-
-    def _hands(self, state: State) -> Seen:
-        """Pose of the hand with the cup, over the position of the other one (9,)."""
-        assert self._view is not None
-        cup, other = self._view(state), self._other(state)
-        return Seen(*(np.concatenate(parts) for parts in zip(cup[:3], other[:3], strict=True)))
 
     def _follow(self, poses: dict[str | None, Pose]) -> None:
         """From now on, objects are at these poses."""
         bases = [poses[name] for name in self._cup]
         reference = bases[0].rotation @ self._movements[0].reference
         _, precisions, fused = fuse_poses(self._movements, bases, reference)
-        self._view = SiteView(self._site, None, "pose", as_rotation(reference))
         known = np.zeros((len(fused), 9, 9))
         known[:, :6, :6] = precisions.sum(0)
         information = np.zeros((len(fused), 3))
@@ -145,7 +140,8 @@ class HandsProgress:
         pull = lever.mT @ self._between.precision
         known += pull @ lever
         step = np.linalg.solve(known, pull @ error[..., None])[..., 0]
-        self._progress.follow(
-            self._hands,
-            Gaussian.trusted(np.hstack([fused, other]) + step, np.linalg.inv(known)),
+        places = Gaussian.trusted(np.hstack([fused, other]) + step, np.linalg.inv(known))
+        self._cup_hand.follow(
+            SiteView(self._site, None, "pose", as_rotation(reference)), places.marginal(range(6))
         )
+        self._sugar_hand.follow(self._other, places.marginal(range(6, 9)))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tpsim.study.condition import Condition
-from tpsim.study.held import BY, by_progress
+from tpsim.study.held import by_progress
 from tpsim.study.study import Lab, Phases, Plan, Study
 from tpsim.task.task import draw_situation
 from tpsim.tasks.serve import pictures, scene
@@ -49,11 +49,14 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
         found.append(Condition("unpushed", situation))
         for k in range(plan.pushes):
             found.append(Condition("pushed", situation, push=(_push(rng, k),)))
+        lasts = lab.task.duration + HOLDS
         hold = (_hold(plan.rng(_HOLDS, index), index),)
-        for name in BY if plan.pushes else ():
-            found.append(Condition("unpushed", situation, name))
-            lasts = lab.task.duration + HOLDS
-            found.append(Condition("held", situation, name, hold=hold, duration=lasts))
+        if plan.pushes:
+            found.append(Condition("unpushed", situation, "by clock"))
+            found += [
+                Condition("held", situation, name, hold=hold, duration=lasts)
+                for name in ("learned", "by clock")
+            ]
     yield found
 
 

@@ -117,8 +117,8 @@ class Serve(Task):
     warp : float
         Share of the movement by which demonstrations may be out of step before they are aligned.
     progress : str
-        Whether the movement goes by the ``"clock"``, or by the hand's own ``"state"``: who holds
-        it stops the movement (docs/serve.md).
+        Whether the movement goes by the hands' own ``"state"``, so that who holds one stops it, or
+        by the ``"clock"`` (docs/serve.md).
     teacher : str
         Whose hands show it: ``"human"``, as measured in people, or ``"firm"``, firmer and finer.
     """
@@ -128,7 +128,7 @@ class Serve(Task):
     covariance: Covariance = "full"
     samples: Count = 360
     warp: float = 0.05
-    progress: Literal["clock", "state"] = "clock"
+    progress: Literal["state", "clock"] = "state"
     teacher: TeacherName = "firm"
 
     duration: ClassVar[float] = MOVEMENT + 1.0

@@ -62,6 +62,7 @@ TASK = {
     "_physics_factor": "physics alone, faster than real time",
     "_realtime_factor": "physics, control at 1 kHz and recording, faster than real time",
     "_environment_steps_per_s": "steps of its dm_env environment",
+    "_tank_percent": "what the energy tank adds to a step, per cent",
 }
 """What is measured of every task."""
 

@@ -101,11 +101,16 @@ class Drive:
         Time between two steps [s].
     tank : Tank, optional
         The robot's own, :meth:`Tank.of <tpsim.world.tank.Tank.of>`, by default.
+
+    Attributes
+    ----------
+    ledger : Ledger
+        The tank's books.
     """
 
     def __init__(self, robot: Robot, period: float, tank: Tank | None = None):
-        self._robot, self._period, self._guard = robot, period, Guard(robot)
-        self._ledger = Ledger(robot, period, Tank.of(robot) if tank is None else tank)
+        self._robot, self.period, self._guard = robot, period, Guard(robot)
+        self.ledger = Ledger(robot, period, Tank.of(robot) if tank is None else tank)
         self._now: Impedance | None = None
         self._age, self._wanted = 0, np.zeros(0)
         self._gain = np.zeros(0)
@@ -114,7 +119,7 @@ class Drive:
     @property
     def energies(self) -> Energies:
         """What was counted up to the last look into the books, which are 10 ms apart at most."""
-        return self._ledger.energies
+        return self.ledger.energies
 
     def torque(self, command: Impedance | np.ndarray, state: State) -> np.ndarray:
         """Joint torques (n,) [Nm] wanted, before the motors' limits."""
@@ -122,7 +127,7 @@ class Drive:
             if command.shape != (self._robot.n,):
                 self._refuse(f"an array of shape {command.shape}")
             if self._now is not None:
-                self._ledger.close(state)
+                self.ledger.close(state)
                 self._now = None
             return command
         short = False
@@ -130,7 +135,7 @@ class Drive:
             if not isinstance(command, Impedance):
                 self._refuse(f"{command!r}")
             self._begin(command)
-            short = self._ledger.short(command, state)
+            short = self.ledger.short(command, state)
         else:
             self._age += 1
             if self._lead is not None:
@@ -140,7 +145,7 @@ class Drive:
         if self._robot.has_friction:
             torque = torque + self._robot.friction_torque(state.dq)
         guard = self._guard.torque(state) if self._guard.wakes(state) else None
-        return self._ledger.enter(torque, guard, command, state, self._age, short)
+        return self.ledger.enter(torque, guard, command, state, self._age, short)
 
     def _refuse(self, what: str) -> None:
         raise ArgumentError(
@@ -156,7 +161,7 @@ class Drive:
         self._wanted, self._lead = now.stiffness @ now.reference, None
         if now.velocity is not None:
             self._wanted += now.damping @ now.velocity
-            self._lead = now.stiffness @ (self._period * now.velocity)
+            self._lead = now.stiffness @ (self.period * now.velocity)
 
 
 def compliance(J: np.ndarray, stiffness: np.ndarray) -> np.ndarray:

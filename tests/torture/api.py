@@ -63,7 +63,7 @@ INSIDE = {
     **dict.fromkeys(
         ["rotation.cross_matrix",
          "lab.Pose.checked", "lab.Robot.posture", "rotation.quaternions", "rotation.warn_of_turns",
-         "Manifold.part", "Manifold.points", "TrajectoryDistribution.of"],
+         "Manifold.moved", "Manifold.part", "Manifold.points", "TrajectoryDistribution.of"],
         "a check, which takes the name under which a user knows the argument",
     ),
     **dict.fromkeys(

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.border import Positive, border
+from tpsim.checks import affordable
 from tpsim.controllers.product import Skill
 from tpsim.controllers.progress import Progress
 from tpsim.controllers.renewed import RenewedImpedance
@@ -70,6 +71,9 @@ class TimedIntervention(RenewedImpedance):
         self.skill, self.effort, self.until = skill, effort, until
         self.prior, self.order, self.progress = prior, order, progress
         self._asked, self._going = 0.0, 1.0
+        affordable(
+            "until over period", int(until / period), skill.model.frames[0].dim ** 2, least=0
+        )
         times = np.minimum(np.arange(0.0, until + period, period), until)
         self._product = TimedProduct(skill, prior, order, times)
 

@@ -273,7 +273,9 @@ def _enough(values: np.ndarray, loss: float) -> int:
 
 def _fitting(ranks: list[int], most: list[int]) -> list[int]:
     if len(ranks) != len(most) or any(r > m for r, m in zip(ranks, most, strict=True)):
-        raise ArgumentError(f"ranks are {ranks}; give one for each mode, at most {most}")
+        raise ArgumentError(
+            f"ranks are {ranks}; give one for each mode of the tensor, at most {most}"
+        )
     return ranks
 
 

@@ -72,7 +72,8 @@ class Expert:
         checked(self)
         if unknown := set(self.gains) - set(self.ranges):
             raise ArgumentError(
-                f"there is no gain {', '.join(sorted(unknown))}; there are {', '.join(self.ranges)}"
+                f"there is no gain {', '.join(sorted(unknown))} in the ranges of "
+                f"{', '.join(self.ranges) or 'nothing'}"
             )
         middle = {name: one.middle for name, one in self.ranges.items()}
         object.__setattr__(self, "gains", {**middle, **self.gains})

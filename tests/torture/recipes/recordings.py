@@ -56,7 +56,7 @@ def _cleaning(book: Book) -> None:
     add(
         "data.aligned",
         data.aligned,
-        words=("time",),
+        words=("time", "rate"),
         demonstrations=DEMONSTRATIONS,
         band=0.2,
         by="data",

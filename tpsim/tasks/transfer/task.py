@@ -223,11 +223,12 @@ def lesson_between(
     teacher: TeacherName = "firm",
 ) -> Lesson:
     """How a person carries between given docks."""
-    seconds = rng.uniform(*docks.SECONDS)
+    pace = docks.PACE[teacher]
+    seconds = pace * rng.uniform(*docks.SECONDS)
     guide = docks.guide(world, placed, seconds, rng, teacher)
     carries = arm(world.robot, docks.GRIPPER)
     held = tuple(joint for joint in world.robot.joints if joint not in carries)
-    return Lesson(start, (guide,), seconds + 2 * docks.REST, held, docks.at_rest(placed))
+    return Lesson(start, (guide,), seconds + 2 * pace * docks.REST, held, docks.at_rest(placed))
 
 
 def arm(robot: Robot, site: str) -> tuple[str, ...]:

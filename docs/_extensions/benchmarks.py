@@ -66,6 +66,8 @@ TASK = {
 }
 """What is measured of every task."""
 
+_TASK_UNITS = {"_environment_steps_per_s": " 1/s", "_tank_percent": " %"}
+
 
 def page() -> str:
     """Tables of all figures as Markdown."""
@@ -89,9 +91,13 @@ def _tasks(figures: dict[str, float]) -> list[str]:
         rows.setdefault(name.removesuffix(kind), {})[kind] = value
     if not rows:
         return []
-    lines = [f"| task | {' | '.join(TASK.values())} |", "| --- | ---: | ---: | ---: |"]
+    # What was not yet measured when the figures were recorded has no column.
+    kinds = {
+        kind: words for kind, words in TASK.items() if any(kind in row for row in rows.values())
+    }
+    lines = [f"| task | {' | '.join(kinds.values())} |", "| --- |" + " ---: |" * len(kinds)]
     for task, row in rows.items():
-        cells = [f"{row[kind]:.0f}" + (" 1/s" if "per_s" in kind else "x") for kind in TASK]
+        cells = [f"{row[kind]:.0f}{_TASK_UNITS.get(kind, 'x')}" for kind in kinds]
         lines.append(f"| `{task.replace('_', '-')}` | {' | '.join(cells)} |")
     return [*lines, ""]
 

@@ -62,6 +62,10 @@ SECONDS = (4.5, 5.5)
 REST = 0.5
 """Time [s] that the teacher's hand rests in each dock."""
 
+PACE = {"firm": 1.0, "human": 2.0}
+"""How many times longer than in the task all takes while a person shows: people take their time,
+and a hand as soft as theirs needs it to come to rest."""
+
 ELBOW = 0.25
 """Standard deviation of the posture [rad] that inverse kinematics prefers at the start."""
 
@@ -227,7 +231,7 @@ def guide(
     who, h = DEMONSTRATORS[teacher], world.timestep
     (sight,) = who.sights(rng)
     way = script(rotations, positions, seconds, h, rng, who.variation, _care(round(seconds / h), 0))
-    rest = round(REST / h)
+    rest = round(PACE[teacher] * REST / h)
     care = _care(round(seconds / h), rest)
     return Guide("left_guide", GRIPPER, who.grip, _with_rest(way, rest), sight=sight, care=care)
 

@@ -292,7 +292,7 @@ def _learning(book: Book) -> None:
         demonstrations=PATHS,
         components=2,
         covariance=tp.HDDC(1),
-        observed=[np.arange(2 * len(d)).reshape(-1, 2) % 5 > 0 for d in PATHS],
+        observed=np.arange(3 * len(PATHS[0])).reshape(-1, 3) % 5 > 0,
     )
     add(
         "update_tp_gmm",

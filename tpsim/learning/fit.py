@@ -107,9 +107,12 @@ def seen_by_frames(observations: object, observed: object = None) -> Seen:
         mask = observed_of(observed, lengths, len(views))
         return Seen(filled(views, mask), lengths, [d.time for d in demonstrations], mask)
     given: Sequence[object] = entries("observations", observations)
-    if observed is not None and given and (first := array_of("observations[0]", given[0])).ndim:
-        mask = observed_of(observed, [len(first)], len(given))
-        given = filled([array_of(f"observations[{j}]", view) for j, view in enumerate(given)], mask)
+    mask = None
+    if observed is not None and given:
+        arrays = [array_of(f"observations[{j}]", view) for j, view in enumerate(given)]
+        if all(array.ndim == 2 for array in arrays):
+            mask = observed_of(observed, [len(arrays[0])], len(arrays))
+            given = filled(arrays, mask)
     views = [finite_array(f"observations[{j}]", view) for j, view in enumerate(given)]
     shapes = [view.shape for view in views]
     if not views or any(len(s) != 2 or 0 in s or s[0] != shapes[0][0] for s in shapes):
@@ -117,7 +120,7 @@ def seen_by_frames(observations: object, observed: object = None) -> Seen:
             f"observations have shapes {shapes}; give demonstrations, or one (N, d_j) array per "
             "frame with the same N >= 1"
         )
-    return Seen(views, [len(views[0])], None, mask if observed is not None else None)
+    return Seen(views, [len(views[0])], None, mask)
 
 
 def seen_as_data(sequences: object) -> Seen:

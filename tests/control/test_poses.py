@@ -1,10 +1,10 @@
-"""Movements of poses that objects see: their product on the manifold, and its tracking."""
+"""Movements of poses that objects see: their product in charts of rotation vectors."""
 
 import numpy as np
 import pytest
 
-from tpsim import integrator, rotation
-from tpsim.control.poses import SeenMovement, fuse_poses, track_poses
+from tpsim import rotation
+from tpsim.control.poses import SeenMovement, fuse_poses
 from tpsim.errors import ArgumentError
 from tpsim.pose import coordinates
 
@@ -54,16 +54,6 @@ def test_the_product_is_the_likeliest_pose_of_all_objects():
     for step in 0.02 * np.eye(6):
         assert (cost(fused + step) > best - 1e-3).all()
         assert (cost(fused - step) > best - 1e-3).all()
-
-
-def test_tracking_follows_what_is_precise_and_ends_at_rest():
-    rng = np.random.default_rng(2)
-    mean = np.zeros((1, 200, 6))
-    mean[0, 100:] = 0.3 * rng.normal(size=6)
-    precision = np.broadcast_to(1e4 * np.eye(6), (1, 200, 6, 6))
-    plan = track_poses(mean, precision, integrator(6, 0.02, exact=True), 0.1).rollout(np.zeros(12))
-    np.testing.assert_allclose(plan.states[-1, :6], mean[0, -1], atol=1e-3)
-    np.testing.assert_allclose(plan.states[-1, 6:], 0, atol=1e-2)
 
 
 def test_movements_and_objects_must_fit():

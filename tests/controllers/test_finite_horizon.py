@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from tpsim import Gaussian
-from tpsim.control.poses import SeenMovement
+from tpsim import Frame, Gaussian, RiemannianGaussian, rotation
 from tpsim.controllers.finite_horizon import FiniteHorizon
+from tpsim.controllers.seen_poses import POSE
 from tpsim.errors import ArgumentError
-from tpsim.pose import Pose, coordinates
+from tpsim.pose import Pose
 from tpsim.world.impedance import Drive, hand_stiffness
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.push import Push
@@ -26,12 +26,12 @@ def controller(world, offset=(0.0, 0.0, 0.0), joints=None, deviation=0.005):
     """Stay at an offset [m] from the home pose of the left hand, as the dock sees it."""
     robot = world.robot
     R, p = robot.at_home.pose("left_gripper")
-    reference = DOCK.rotation.T @ R
-    mean = np.tile(coordinates(Pose(R, p + offset), reference, seen_from=DOCK), (30, 1))
+    seen = DOCK.inverse @ Pose(R, p + offset)
+    mean = np.tile(np.append(seen.position, seen.quaternion), (30, 1))
     return FiniteHorizon(
         robot,
         ["end"],
-        [SeenMovement(mean, np.tile(np.eye(6) / deviation**2, (30, 1, 1)), reference)],
+        [RiemannianGaussian(POSE, mean, deviation**2 * np.eye(6))],
         Gaussian(np.tile(robot.home[:7], (30, 1)), 0.04 * np.eye(7)),
         joints=robot.joints[:7] if joints is None else joints,
         site="left_gripper",
@@ -43,6 +43,24 @@ def controller(world, offset=(0.0, 0.0, 0.0), joints=None, deviation=0.005):
 def test_at_its_reference_it_holds_still(world):
     trial = rollout(world, controller(world), world.robot.home, 0.5, sites=SITES)
     assert np.abs(trial["q"] - world.robot.home).max() < 1e-6
+
+
+def test_nothing_depends_on_the_axes_of_an_object_or_on_the_sign_of_quaternions(world):
+    """The same dock with other axes sees other numbers; torques are the same up to rounding."""
+    law = controller(world, (0.03, 0.02, -0.04))
+    state = world.robot.at(world.robot.home + 0.05, objects={"end": DOCK})
+    wanted = Drive(world.robot, 1e-3).torque(law.renew(state, 0.3), state)
+    for turn in ([0.0, 0.0, np.pi], [1.0, -2.0, 1.5], [0.0, np.radians(179), 0.0]):
+        axes = Pose(rotation.exp(turn), np.array([0.3, -0.1, 0.2]))
+        dock, again = DOCK @ axes, controller(world, (0.03, 0.02, -0.04))
+        seen = POSE.frame(Frame(*axes)).to_local(again.movements[0].mean)
+        seen[::2, 3:] *= -1
+        back = np.kron(np.eye(2), axes.rotation.T)
+        covariance = back @ again.movements[0].covariance @ back.T
+        again.movements = (RiemannianGaussian(POSE, seen, covariance),)
+        there = world.robot.at(world.robot.home + 0.05, objects={"end": dock})
+        found = Drive(world.robot, 1e-3).torque(again.renew(there, 0.3), there)
+        np.testing.assert_allclose(found, wanted, atol=1e-7 * np.abs(wanted).max())
 
 
 def test_it_goes_where_the_movement_ends_and_stays(world):

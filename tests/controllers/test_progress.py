@@ -5,12 +5,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from tpsim import Gaussian, SemiMarkovChain
-from tpsim.control.poses import SeenMovement
+from tpsim import Gaussian, RiemannianGaussian, SemiMarkovChain
 from tpsim.controllers.finite_horizon import FiniteHorizon
 from tpsim.controllers.progress import ByState
+from tpsim.controllers.seen_poses import POSE
 from tpsim.errors import ArgumentError
-from tpsim.pose import Pose, coordinates
+from tpsim.pose import Pose
 from tpsim.robot.state import State
 from tpsim.robot.views.view import Seen
 from tpsim.timeline import rest_to_rest
@@ -28,14 +28,14 @@ def controller(world, chain, **changed):
     """Move the left hand to the side within 1.8 s."""
     robot = world.robot
     R, p = robot.at_home.pose("left_gripper")
-    reference = DOCK.rotation.T @ R
     share = rest_to_rest(np.linspace(0, 1, STEPS))[:, None]
-    mean = [coordinates(Pose(R, p + s * WAY), reference, seen_from=DOCK) for s in share]
-    precision = np.tile(np.diag([1 / 0.01**2] * 3 + [1 / 0.05**2] * 3), (STEPS, 1, 1))
+    seen = [DOCK.inverse @ Pose(R, p + s * WAY) for s in share]
+    mean = [np.append(one.position, one.quaternion) for one in seen]
+    covariance = np.diag([0.01**2] * 3 + [0.05**2] * 3)
     return FiniteHorizon(
         robot,
         ["end"],
-        [SeenMovement(np.array(mean), precision, reference)],
+        [RiemannianGaussian(POSE, np.array(mean), covariance)],
         Gaussian(np.tile(robot.home[:7], (STEPS, 1)), 0.3 * np.eye(7)),
         joints=robot.joints[:7],
         site="left_gripper",

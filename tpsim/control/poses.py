@@ -1,16 +1,12 @@
-"""Poses tracked over a finite horizon, as several objects see them (TP-LQT, Eq. 38)."""
+"""Poses as several objects see them, in charts of rotation vectors: of hands that turn little."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from tpsim import rotation
 from tpsim.border import checked
-from tpsim.control.feedback import Feedback
-from tpsim.control.lqt import lqt
-from tpsim.control.system import LinearSystem
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import faded
 from tpsim.pose import Pose, coordinates, object_frame
@@ -107,21 +103,3 @@ def fuse_poses(
         if np.abs(fused - before).max() < STILL:
             break
     return means, precisions, fused
-
-
-def track_poses(means, precisions, system: LinearSystem, effort: ArrayLike) -> Feedback:
-    """Finite-horizon tracking (Eq. 38) of poses seen in P frames, by a double integrator.
-
-    Parameters
-    ----------
-    means, precisions : (P, T, 6), (P, T, 6, 6)
-        Of :func:`fuse_poses`. Velocities are free.
-    system : LinearSystem
-        Double integrator of six dimensions.
-    effort : float or (6, 6)
-        Cost of acceleration.
-    """
-    P, T, d = means.shape
-    states, weights = np.zeros((P, T, 2 * d)), np.zeros((P, T, 2 * d, 2 * d))
-    states[..., :d], weights[..., :d, :d] = means, precisions
-    return lqt(states, weights, system, effort)

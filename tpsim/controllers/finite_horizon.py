@@ -1,24 +1,35 @@
 """Torque control of a hand by the finite-horizon LQT, re-planned when objects move."""
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
-from scipy.linalg.lapack import dposv
+import pinocchio as pin
 
 from tpsim import rotation
-from tpsim.border import Positive, border
+from tpsim.border import Count, Positive, border
 from tpsim.control.impedance import impedance
-from tpsim.control.poses import SeenMovement, fuse_poses, track_poses
 from tpsim.control.system import integrator
+from tpsim.control.unrolled import Unrolled, tracked
 from tpsim.controllers.progress import ByState
 from tpsim.controllers.renewed import RenewedImpedance
+from tpsim.controllers.seen_poses import (
+    POSE,
+    common_pose,
+    counted,
+    placed_poses,
+    precision_at,
+)
+from tpsim.controllers.torque_cost import felt_inertia, inertia_and_cost
+from tpsim.controllers.way_round import apart, chosen, ways_round
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.semi_markov import SemiMarkovChain
+from tpsim.manifold.gaussian import RiemannianGaussian
 from tpsim.pose import Pose
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
-from tpsim.robot.views.sites import SiteView, as_rotation
+from tpsim.robot.views.view import Seen
 from tpsim.world.impedance import Impedance
 
 LOOK = 0.1
@@ -32,9 +43,6 @@ TAIL = 0.6
 
 STRENGTH = 0.3
 """Share of the motors' torque that springs do not exceed, as after a jump of an object."""
-
-SINGULAR = 0.05
-"""Mobility [1/kg], [1/(kg m^2)] below which the arm counts as unable to move its hand."""
 
 PERIOD = 0.008
 """Time for which an impedance lasts by default [s]."""
@@ -58,9 +66,10 @@ def effort_of(robot: Robot, joints: tuple[str, ...]) -> float:
 class FiniteHorizon(RenewedImpedance):
     """A hand carried along a movement that objects see, by finite-horizon LQT (Eqs 34-38).
 
-    The hand's pose y, six coordinates in a chart about its last orientation, is a double
-    integrator ``ddy = u`` with ``u_t = k_t - K_t [y, dy]``: stiffness and damping change over time
-    with the precision of the movement. Through the arm's inertia this is torque,
+    The hand's pose lives on its manifold, ``R(3) * S3``. The product of what the objects saw is
+    unrolled onto a plane (:mod:`tpsim.control.unrolled`), where the pose y is a double integrator
+    ``ddy = u`` with ``u_t = k_t - K_t [y, dy]``, however far it turns: stiffness and damping change
+    over time with the precision of the movement. Through the arm's inertia this is torque,
     ``tau = J^T (J M^-1 J^T)^-1 u``; what is left of the arm follows the taught posture in the
     hand's nullspace (Eq. 42) by the infinite-horizon optimum. The effort is torque, ``r |tau|^2``
     in the taught postures, so that what is light is not softer than what is heavy. The plan is
@@ -72,9 +81,9 @@ class FiniteHorizon(RenewedImpedance):
     ----------
     robot : Robot
     objects : sequence of str
-        The objects that see the movement; the chart is the last one's.
-    movements : sequence of SeenMovement
-        One for each, sampled at ``dt``; the end lasts.
+        The objects that see the movement.
+    movements : sequence of RiemannianGaussian (T,) on R(3) * S3
+        What each of them saw of the hand, sampled at ``dt``; the end lasts.
     posture : Gaussian (T, n)
         Of the arm's joints [rad].
     joints : tuple of str
@@ -91,6 +100,10 @@ class FiniteHorizon(RenewedImpedance):
         Of the movement's states, with durations in steps of ``dt`` that add up to it. Progress is
         then inferred from the hand: held it stands still, pushed on it hurries. By default the
         clock says how far the movement has come.
+    shown : int, optional
+        From how many demonstrations the movements were learned. What an object saw in so few of
+        them counts less where the others say something else than was ever shown: its claim is
+        Student's t (:func:`~tpsim.controllers.seen_poses.counted`). By default it is Gaussian.
 
     What is known of an object's pose up to a covariance counts for less, and what was not seen at
     all for nothing: the movement then goes by the other objects. The arm holds still until one
@@ -102,7 +115,7 @@ class FiniteHorizon(RenewedImpedance):
         self,
         robot: Robot,
         objects: Sequence[str],
-        movements: Sequence[SeenMovement],
+        movements: Sequence[RiemannianGaussian],
         posture: Gaussian,
         *,
         joints: Sequence[str],
@@ -111,23 +124,30 @@ class FiniteHorizon(RenewedImpedance):
         effort: Positive,
         period: Positive = PERIOD,
         chain: SemiMarkovChain | None = None,
+        shown: Count | None = None,
     ):
         super().__init__(period)
         self.objects, self.movements, self.posture = tuple(objects), tuple(movements), posture
         self.joints, self.site, self.dt, self.effort = tuple(joints), site, dt, effort
-        self._robot = robot
+        self.shown, self._robot = shown, robot
         if not joints or not movements:
             raise ArgumentError("joints and movements: give at least one of each")
+        kinds = {(str(one.manifold), one.mean.shape[:-1]) for one in movements}
+        steps = len(movements[0].mean)
+        if len(objects) != len(movements) or kinds != {(str(POSE), (steps,))}:
+            raise ArgumentError(
+                f"movements are {sorted(kinds)} for objects {self.objects}; give one (T,) on "
+                f"{POSE} for each, all of the same length"
+            )
         if joints[0] not in robot.joints:
             raise ArgumentError(f"joints are {joints}; the robot has {robot.joints}")
         first = robot.joints.index(joints[0])
         self._arm = slice(first, first + len(joints))
         if robot.joints[self._arm] != tuple(joints):
             raise ArgumentError(f"joints {joints} do not follow each other on the robot")
-        if posture.mean.shape[1:] != (len(joints),) or len(posture.mean) != len(movements[0]):
+        if posture.mean.shape != (steps, len(joints)):
             raise ArgumentError(
-                f"posture has means of shape {posture.mean.shape}; with these joints and movements "
-                f"give ({len(movements[0])}, {len(joints)})"
+                f"posture has means of shape {posture.mean.shape}; give ({steps}, {len(joints)})"
             )
         if chain is not None and round(float(chain.durations.mean.sum())) != len(posture.mean):
             raise ArgumentError(
@@ -137,42 +157,24 @@ class FiniteHorizon(RenewedImpedance):
         self.chain = chain
         self._progress = None if chain is None else ByState(chain, dt)
         self._system = integrator(6, dt, exact=True)
-        self._steps, self._tail = len(movements[0]), round(TAIL / dt)
+        self._steps, self._tail = steps, round(TAIL / dt)
         # The costs of torque change slowly: one posture stands for some of its neighbours.
         some = posture[:: max(1, self._steps // POSTURES)]
-        near = np.linspace(0, len(some.mean) - 1, self._steps).round().astype(int)
-        mass, cost = self._torques(some.mean)
+        mass, cost = inertia_and_cost(robot, self._arm, site, some.mean)
         swivels = impedance(some.precision, effort * mass @ mass)
-        self._swivels, self._swivel_brakes = (gains[near] for gains in swivels)
-        self._costs = effort * cost[near]
+        self._swivels, self._swivel_brakes = map(self._spread, swivels)
+        self._costs = effort * self._spread(cost)
         self._weakest = (STRENGTH * robot.torque_limit[self._arm]) ** -2.0
         self._rest: np.ndarray | None = None
         self._seen: np.ndarray | None = None
+        self._begun: np.ndarray | None = None
         self._next_look = 0.0
 
-    def _torques(self, postures: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Inertia (T, m, m) in postures, and |tau|^2 of the hand's acceleration there.
-
-        The latter (T, 6, 6) is ``L J J^T L`` with L the inertia that the hand feels.
-        """
-        robot, arm = self._robot, self._arm
-        q = np.zeros(robot.n)
-        masses, costs = [], []
-        for posture in postures:
-            q[arm] = posture
-            state = robot.at(q)
-            M, J = state.mass[arm, arm], state.jacobian(self.site)[:, arm]
-            inertia = self._felt_inertia(M, J)
-            masses.append(M)
-            costs.append(inertia @ J @ J.T @ inertia)
-        return np.array(masses), np.array(costs)
-
-    @staticmethod
-    def _felt_inertia(M: np.ndarray, J: np.ndarray) -> np.ndarray:
-        """Inertia (6, 6) that the hand feels, bounded where the arm is singular."""
-        values, V = np.linalg.eigh(J @ dposv(M, J.T)[1])
-        felt: np.ndarray = (V / np.maximum(values, SINGULAR)) @ V.T
-        return felt
+    def _spread(self, some: np.ndarray) -> np.ndarray:
+        """What is known of some steps (S, ...), of all of them (T, ...)."""
+        near = np.linspace(0, len(some) - 1, self._steps).round().astype(int)
+        found: np.ndarray = some[near]
+        return found
 
     def renew(self, state: State, time: float) -> Impedance:
         """Impedance of this moment in joint space: from the hand's force to torques.
@@ -187,26 +189,26 @@ class FiniteHorizon(RenewedImpedance):
         if self._seen is None:  # nothing that the movement could go by was seen yet
             mass = state.mass
             return Impedance(HOLD * mass, 2 * HOLD**0.5 * mass, self._rest)
-        seen = self._view(state)
-        J, M = seen.jacobian[:, arm], state.mass
         when = time if self._progress is None else self._progress.at(state, time)[0]
         step, spring = self._law(when)
-        lever = J.T @ self._felt_inertia(M[arm, arm], J)
+        self._near = step - self._first
+        seen = self._on_plane(state)
+        J, M = seen.jacobian[:, arm], state.mass
+        lever = J.T @ felt_inertia(M[arm, arm], J)
         null = M[arm, arm] - lever @ J
         swivel = null @ self._swivels[step]
         # The other joints hold still, critically damped.
         stiffness, damping = HOLD * M, 2 * HOLD**0.5 * M
         stiffness[arm, arm] = swivel - lever @ spring[:, :6] @ J
         damping[arm, arm] = null @ self._swivel_brakes[step]
-        damping[arm, arm] += lever @ self._brakes[step - self._first] @ J
+        damping[arm, arm] += lever @ self._brakes[self._near] @ J
         y = np.append(seen.value, 1.0)
         pull = lever @ (spring @ y) + swivel @ (self.posture.mean[step] - state.q[arm])
         # Only what pulls is cut: the brakes must hold what it has set in motion.
         cut = max(1.0, np.sqrt(pull * pull @ self._weakest))
         stiffness[arm, arm] /= cut
         reference = self._rest.copy()
-        # How the pull changes within a period is left out: where springs are soft, a reference that
-        # moves would hold many times the energy of the movement.
+        # It stays for the period: over soft springs, one that moves would hold too much energy.
         reference[arm] = state.q[arm] + np.linalg.solve(stiffness[arm, arm], pull / cut)
         return Impedance(stiffness, damping, reference)
 
@@ -225,35 +227,66 @@ class FiniteHorizon(RenewedImpedance):
             self._seen = seen
             # Who may be held or led back needs the law of the whole movement.
             first = 0 if self.chain is not None else min(round(time / self.dt), self._steps - 1)
-            self._plan(first, [self.movements[k] for k in known], poses, unsure)
+            self._plan(first, [self.movements[k] for k in known], poses, unsure, state)
 
     def _plan(
         self,
         first: int,
-        movements: Sequence[SeenMovement],
+        movements: Sequence[RiemannianGaussian],
         poses: Sequence[Pose],
         unsure: Sequence[np.ndarray | None],
+        state: State,
     ) -> None:
         """Make the law from a step of the movement to its end, from what is seen of it."""
-        rest = [movement.from_step(first) for movement in movements]
-        reference = poses[-1][0] @ rest[-1].reference
-        means, precisions, fused = fuse_poses(rest, poses, reference, covariances=unsure)
-        self._view = SiteView(self.site, None, "pose", as_rotation(reference))
-        if self._progress is not None:
-            spread = np.linalg.inv(precisions.sum(0))
-            self._progress.follow(self._view, Gaussian.trusted(fused, spread))
-        turning = np.broadcast_to(np.eye(6), precisions.shape[1:]).copy()
-        turning[:, 3:, 3:] = rotation.left_jacobian(fused[:, 3:])
-        effort = turning.mT @ self._costs[first:] @ turning
+        means, precisions = placed_poses(movements, poses, unsure)
+        way = self._way(means, precisions, state)
+        if self._alone and self.shown is not None:
+            precisions = counted(means, precisions, way, self.shown)
+            way, _ = common_pose(means, precisions, way)
+        precision = precision_at(way, means, precisions)
+        way, precision, costs = (part[first:] for part in (way, precision, self._costs))
         # The last law is that of a long horizon, since it is kept for ever.
-        means, precisions, (effort,) = (
-            np.concatenate([part, np.repeat(part[:, -1:], self._tail, axis=1)], axis=1)
-            for part in (means, precisions, effort[None])
-        )
-        feedback = track_poses(means, precisions, self._system, effort)
-        kept = slice(len(rest[0]) + 1)
-        self._first, self._brakes = first, feedback.gain[kept, :, 6:]
+        longer = np.minimum(np.arange(len(way) + self._tail), len(way) - 1)
+        path, costs = Unrolled.of(POSE, way[longer]), costs[longer]
+        effort = path.axes.mT @ costs @ path.axes
+        # Of Gaussians that are tracked at once (Eq. 38) only the product matters.
+        target = way[longer][None], precision[longer][None]
+        feedback = tracked(path, *target, self._system, effort)
+        kept = slice(len(way) + 1)
+        self._first, self._near, self._path = first, 0, path
+        self._turned = rotation.from_quaternion(path.points[:, 3:])
+        self._brakes: np.ndarray = feedback.gain[kept, :, 6:]
         self._springs = np.dstack([-feedback.gain[..., :6], feedback.feedforward])[kept]
+        if self._progress is not None:
+            axes = path.axes[: len(way)]
+            spread = axes.mT @ np.linalg.inv(precision) @ axes
+            places = Gaussian.trusted(path.plane[: len(way)], spread)
+            self._progress.follow(self._on_plane, places)
+
+    def _way(self, means: np.ndarray, precisions: np.ndarray, state: State) -> np.ndarray:
+        """Where the hand goes (T, 7): on the way round that it began, or on the better one."""
+        ways = ways_round(means, precisions, common_pose(means, precisions)[0], self.dt)
+        self._alone = len(ways) == 1
+        if self._alone:
+            way = ways[0]
+        elif self._begun is None:
+            arm = self._robot, self._arm, self.site
+            way, postures = chosen(ways, *arm, state.q, self.posture.mean)
+            # There the arm is another one than where it was taught, and torque costs otherwise.
+            self._costs = self.effort * self._spread(inertia_and_cost(*arm, postures)[1])
+        else:
+            way = min(ways, key=partial(apart, self._begun))
+        self._begun = way
+        return way
+
+    def _on_plane(self, state: State) -> Seen:
+        """The hand's pose on the plane (6,), as it is seen from the step of the movement."""
+        (R, p), J = state.pose(self.site), state.jacobian(self.site)
+        path, t = self._path, self._near
+        turn, back = R @ self._turned[t].T, path.axes[t].T
+        away = np.concatenate([p - path.points[t, :3], pin.log3(turn)])
+        J = np.concatenate([J[:3], pin.Jlog3(turn).T @ J[3:]])
+        return Seen(path.plane[t] + back @ away, back @ J, _STILL)
 
     def _law(self, time: float) -> tuple[int, np.ndarray]:
         """Step of the movement, and spring there, linear between steps."""
@@ -262,3 +295,6 @@ class FiniteHorizon(RenewedImpedance):
         share = min(max(since - k, 0.0), 1.0)
         step = min(k + self._first, self._steps - 1)
         return step, (1 - share) * self._springs[k] + share * self._springs[k + 1]
+
+
+_STILL = np.zeros(6)

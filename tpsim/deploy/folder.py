@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from tpsim.control.poses import SeenMovement
 from tpsim.deploy.recipes import (
     FixedRecipe,
     HorizonRecipe,
@@ -27,6 +26,11 @@ from tpsim.errors import ArgumentError, RecordingError, TpsimError, one_line
 from tpsim.gaussian import Gaussian
 from tpsim.learning.free_movement import Relevance
 from tpsim.learning.semi_markov import SemiMarkovChain
+from tpsim.manifold.gaussian import RiemannianGaussian
+from tpsim.manifold.manifold import Manifold
+from tpsim.manifold.orientations import Rotations
+from tpsim.manifold.spaces import Circle, Euclidean
+from tpsim.manifold.sphere import Sphere
 from tpsim.npz import read_members, write_members
 from tpsim.pose import Pose
 from tpsim.robot.indices import Chain
@@ -45,7 +49,7 @@ if TYPE_CHECKING:
 
 POLICY, ARRAYS, SCENE = "policy.json", "arrays.npz", "scene.xml"
 
-SCHEMA = 2
+SCHEMA = 3
 """Of ``policy.json``."""
 
 _MOST = 2**30
@@ -81,7 +85,8 @@ class _Whole:
 
 
 _PARTS = (
-    *(_Whole, Content, RobotFile, WrittenSkill, Gaussian, Relevance, SeenMovement, SemiMarkovChain),
+    *(_Whole, Content, RobotFile, WrittenSkill, Gaussian, Relevance, SemiMarkovChain),
+    *(RiemannianGaussian, Manifold, Euclidean, Circle, Sphere, Rotations),
     *(Site, Object, Chain),
 )
 _RECIPES = (InterventionRecipe, PursuitRecipe, TimedRecipe, HorizonRecipe, FixedRecipe)

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tpsim.control.poses import SeenMovement
 from tpsim.controllers.finite_horizon import FiniteHorizon
 from tpsim.controllers.minimal_intervention import MinimalIntervention
 from tpsim.controllers.product import Skill
@@ -18,6 +17,7 @@ from tpsim.gaussian import Gaussian
 from tpsim.learning.free_movement import Relevance
 from tpsim.learning.semi_markov import SemiMarkovChain
 from tpsim.learning.tp_gmm import TPGMM
+from tpsim.manifold.gaussian import RiemannianGaussian
 from tpsim.retrieval.tp_gmr import Order
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.joints import Joints
@@ -194,17 +194,18 @@ class HorizonRecipe(Recipe):
     """Of :class:`FiniteHorizon`."""
 
     objects: tuple[str, ...]
-    movements: tuple[SeenMovement, ...]
+    movements: tuple[RiemannianGaussian, ...]
     posture: Gaussian
     joints: tuple[str, ...]
     site: str
     dt: float
     effort: float
     chain: SemiMarkovChain | None = None
+    shown: int | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        lengths = {len(movement) for movement in self.movements} | {len(self.posture.mean)}
+        lengths = {len(movement.mean) for movement in self.movements} | {len(self.posture.mean)}
         if not 0 < len(self.objects) == len(self.movements) or len(lengths) > 1:
             raise ArgumentError("objects, movements and posture do not fit each other")
 
@@ -221,6 +222,7 @@ class HorizonRecipe(Recipe):
             effort=self.effort,
             period=self.lasts,
             chain=self.chain,
+            shown=self.shown,
         )
 
 
@@ -270,8 +272,8 @@ def recipe_of(controller: object, period: float) -> Recipe:
         return TimedRecipe(lasts, timed.prior, False, timed.effort, skill, until, order)
     if isinstance(controller, FiniteHorizon) and kind is FiniteHorizon:
         f = controller
-        parts = f.objects, f.movements, f.posture, f.joints, f.site, f.dt, f.effort, f.chain
-        return HorizonRecipe(f.period, *parts)
+        parts = f.objects, f.movements, f.posture, f.joints, f.site, f.dt, f.effort
+        return HorizonRecipe(f.period, *parts, f.chain, f.shown)
     if isinstance(controller, FixedImpedance) and kind is FixedImpedance:
         return FixedRecipe(period, controller.posture, controller.stiffness)
     raise ArgumentError(

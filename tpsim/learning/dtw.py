@@ -118,6 +118,7 @@ def align(
     band: float | None = None,
     by: str = "data",
     rounds: int = 3,
+    manifold: Sequence[Manifold] | None = None,
 ) -> list[Demonstration]:
     """Bring several demonstrations onto one time line by DTW (Section 5.2).
 
@@ -138,6 +139,9 @@ def align(
         by its standard deviation. Movements in different situations differ less in the latter.
     rounds : int
         At least 1; with 1 the reference is the demonstration itself.
+    manifold : sequence of P Manifold, optional
+        On which each frame's observations live, with ``by="frames"``: compared are the tangent
+        vectors at the mean of all samples. By default R^n.
 
     Returns
     -------
@@ -159,7 +163,7 @@ def align(
         reference = int(np.argsort(durations, kind="stable")[len(durations) // 2])
     elif whole("reference", reference, least=-len(demonstrations)) >= len(demonstrations):
         raise ArgumentError(f"reference is {reference}, of {len(demonstrations)} demonstrations")
-    features = _features(demonstrations, by)
+    features = _features(demonstrations, by, manifold)
     time = demonstrations[reference].time
     target = features[reference]
     for _ in range(rounds):
@@ -169,12 +173,19 @@ def align(
     return [_warped(d, timing, time) for d, timing in zip(demonstrations, timings, strict=True)]
 
 
-def _features(demonstrations: list[Demonstration], by: str) -> list[np.ndarray]:
+def _features(
+    demonstrations: list[Demonstration], by: str, manifolds: Sequence[Manifold] | None
+) -> list[np.ndarray]:
     choice("by", by, ("data", "frames"))
+    if manifolds is not None and by != "frames":
+        raise ArgumentError("manifold is of what frames see; give by='frames' with it")
     if by == "data":
         features = [d.data for d in demonstrations]
     elif all(d.observations for d in demonstrations):
-        features = [np.hstack(d.observations) for d in demonstrations]
+        seen = [d.observations for d in demonstrations]
+        if manifolds is not None:
+            seen = _tangents(seen, several("manifold", manifolds, Manifold, "R(3) or S3"))
+        features = [np.hstack(views) for views in seen]
     else:
         raise ArgumentError("by is 'frames', but a demonstration has none; give by='data'")
     columns = {feature.shape[1] for feature in features}
@@ -184,6 +195,20 @@ def _features(demonstrations: list[Demonstration], by: str) -> list[np.ndarray]:
         scale = np.vstack(features).std(0)
         features = [feature / np.where(scale > 0, scale, 1.0) for feature in features]
     return features
+
+
+def _tangents(
+    seen: Sequence[Sequence[np.ndarray]], manifolds: Sequence[Manifold]
+) -> list[tuple[np.ndarray, ...]]:
+    """Observations of every demonstration in the tangent spaces at the means of all of them."""
+    if any(len(views) != len(manifolds) for views in seen):
+        raise ArgumentError(f"{len(manifolds)} manifolds for {len(seen[0])} frames; give one each")
+    columns = []
+    for j, one in enumerate(manifolds):
+        points = [one.points(f"observations[{j}]", views[j]) for views in seen]
+        middle = one.work.centre(np.vstack(points), np.ones(sum(map(len, points))))
+        columns.append([one.work.log(middle, view) for view in points])
+    return list(zip(*columns, strict=True))
 
 
 def _at(values: np.ndarray, index: np.ndarray) -> np.ndarray:

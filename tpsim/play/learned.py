@@ -51,7 +51,7 @@ def ellipsoids(task: Task, models: Models, state: State) -> dict[str, list[Ellip
 
 def _base(view: View, state: State) -> Pose | None:
     """From where a view of a position is seen; None of a view of something else."""
-    if not isinstance(view, SiteView) or view.part == "orientation":
+    if not isinstance(view, SiteView) or view.part not in ("position", "pose"):
         return None
     if view.base is None:
         return Pose(np.eye(3), np.zeros(3))

@@ -7,10 +7,12 @@ from pathlib import Path as FilePath
 import numpy as np
 from numpy.typing import NDArray
 
-from tpsim.control.poses import SeenMovement
 from tpsim.controllers.finite_horizon import FiniteHorizon
+from tpsim.controllers.seen_poses import POSE
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
+from tpsim.manifold.gaussian import RiemannianGaussian
+from tpsim.rotation import to_quaternion
 from tpsim.section8.arms import ARMS, Arm, ArmSituation
 from tpsim.section8.fingerprint import fingerprint, mathematics
 from tpsim.section8.measures import Figure
@@ -170,15 +172,15 @@ def follower(arm: Arm, movement: Gaussian, situation: ArmSituation) -> FiniteHor
     start = np.array(situation.start)
     turned = R.T @ robot.at(start).pose(arm.site).rotation
     steps = len(movement.mean)
-    precision = np.zeros((steps, 6, 6))
-    precision[:, :3, :3] = R.T @ movement.precision @ R
-    precision[:, 3:, 3:] = np.eye(3) / arm.held**2
-    mean = np.hstack([(movement.mean - p) @ R, np.zeros((steps, 3))])
+    covariance = np.zeros((steps, 6, 6))
+    covariance[:, :3, :3] = R.T @ movement.covariance @ R
+    covariance[:, 3:, 3:] = np.eye(3) * arm.held**2
+    mean = np.hstack([(movement.mean - p) @ R, np.tile(to_quaternion(turned), (steps, 1))])
     posture = np.tile(start[robot.index(arm.joints)], (steps, 1))
     return FiniteHorizon(
         robot,
         (last.name,),
-        [SeenMovement(mean, precision, turned)],
+        [RiemannianGaussian(POSE, mean, covariance)],
         Gaussian(posture, POSTURE**2 * np.eye(len(arm.joints))),
         joints=arm.joints,
         site=arm.site,

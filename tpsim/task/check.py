@@ -69,10 +69,12 @@ def _look(what: str, view: object, state: State) -> None:
         hint = "; say which part, such as .pose or .position" if hasattr(view, "pose") else ""
         raise ArgumentError(f"{what} is {view!r}, which is no view{hint}")
     seen = _telling(what, lambda: view(state))
-    if np.ndim(seen.value) != 1 or np.shape(seen.jacobian) != (len(seen.value), state.robot.n):
+    manifold = _telling(what, lambda: view.manifold(state.robot))
+    expected = (manifold.width,), (manifold.dim, state.robot.n)
+    if (np.shape(seen.value), np.shape(seen.jacobian)) != expected:
         raise ArgumentError(
             f"{what} has a value of shape {np.shape(seen.value)} and a Jacobian of shape "
-            f"{np.shape(seen.jacobian)}; give (d,) and (d, {state.robot.n})"
+            f"{np.shape(seen.jacobian)}; on {manifold} give {expected[0]} and {expected[1]}"
         )
 
 

@@ -53,7 +53,7 @@ def with_relevance(
     timed = {
         name
         for name, model in models.items()
-        if [len(view.labels(robot)) for view in views[name].values()] != list(model.dims)
+        if [view.manifold(robot).dim for view in views[name].values()] != list(model.dims)
     }
     seen = {
         name: [_seen(robot, list(views[name].values()), trial) for trial in taught[name]]

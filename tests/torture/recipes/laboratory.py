@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 from recipe import Book, Made
 
-from tpsim import GMM, HSMM, Gaussian, SemiMarkovChain, lab
-from tpsim.control.poses import SeenMovement
+from tpsim import GMM, HSMM, S3, Gaussian, R, RiemannianGaussian, SemiMarkovChain, lab
 from tpsim.robot.objects import Objects
 from tpsim.robot.views.direction import Direction
 from tpsim.robot.views.joints import Spare
@@ -578,7 +577,8 @@ def _control(book: Book) -> None:
         rng=0,
     )
     add("lab.FixedImpedance", lab.FixedImpedance, posture=START, stiffness=100.0)
-    movement = SeenMovement(np.zeros((9, 6)), np.tile(np.eye(6), (9, 1, 1)), np.eye(3))
+    place = np.tile([0.0, 0, 0, 1, 0, 0, 0], (9, 1))
+    movement = RiemannianGaussian(R(3) * S3, place, np.eye(6))
     add(
         "lab.FiniteHorizon",
         lab.FiniteHorizon,

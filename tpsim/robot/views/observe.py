@@ -6,10 +6,13 @@ import numpy as np
 
 from tpsim.border import border
 from tpsim.errors import ArgumentError
+from tpsim.manifold.manifold import Manifold
+from tpsim.manifold.orientations import Rotations
 from tpsim.robot.objects import Objects
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 from tpsim.robot.views.view import View
+from tpsim.rotation import continuous
 
 
 @border
@@ -19,7 +22,7 @@ def observe(
     q: np.ndarray,
     objects: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None,
 ) -> list[np.ndarray]:
-    """Values (T, d_j) of every view along a movement.
+    """Values (T, d_j) of every view along a movement: points of its manifold.
 
     Parameters
     ----------
@@ -47,7 +50,18 @@ def observe(
         state = State(robot, x, Objects(rows, positions[t], quaternions[t]))
         for column, view in zip(values, views, strict=True):
             column.append(view(state).value)
-    return [np.array(column) for column in values]
+    return [
+        _continuous(view.manifold(robot), np.array(column))
+        for view, column in zip(views, values, strict=True)
+    ]
+
+
+def _continuous(manifold: Manifold, seen: np.ndarray) -> np.ndarray:
+    """Points (T, width) along a movement, quaternions of one sign from sample to sample."""
+    for space, columns, _ in manifold.work.single:
+        if isinstance(space, Rotations):
+            seen[:, columns] = continuous(seen[:, columns])
+    return seen
 
 
 def _beside(

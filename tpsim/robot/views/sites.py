@@ -8,6 +8,7 @@ import pinocchio as pin
 
 from tpsim.border import border, checked
 from tpsim.errors import ArgumentError
+from tpsim.manifold.manifold import S3, Manifold
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 from tpsim.robot.views.direction import AXES, Direction
@@ -16,6 +17,7 @@ from tpsim.robot.views.view import Seen, View
 LABELS: dict[str, tuple[str, ...]] = {
     "position": ("x [m]", "y [m]", "z [m]"),
     "orientation": ("about x [rad]", "about y [rad]", "about z [rad]"),
+    "quaternion": ("w", "x", "y", "z"),
 }
 LABELS["pose"] = LABELS["position"] + LABELS["orientation"]
 """Names of the dimensions of a pose and of its parts."""
@@ -65,6 +67,11 @@ class Site:
     def orientation(self) -> "SiteView":
         """Rotation vector [rad] from the orientation at home, d = 3."""
         return SiteView(self.name, None, "orientation")
+
+    @property
+    def quaternion(self) -> "SiteView":
+        """Orientation on its manifold S3: unit quaternion (w, x, y, z), from no base."""
+        return SiteView(self.name, None, "quaternion")
 
     @border
     def axis(
@@ -121,6 +128,11 @@ class Sight:
         """Rotation vector [rad], d = 3."""
         return SiteView(self.site.name, self.base, "orientation")
 
+    @property
+    def quaternion(self) -> "SiteView":
+        """Orientation on its manifold S3: unit quaternion (w, x, y, z), from no base."""
+        return SiteView(self.site.name, self.base, "quaternion")
+
 
 @dataclass(frozen=True)
 class SiteView(View):
@@ -130,20 +142,23 @@ class SiteView(View):
     its Jacobian is that of the rotation vector, exact far from the reference too. When the base
     is a site, its own motion is in the Jacobian; when it is an object, in the drift.
 
+    A quaternion needs no reference: it is a point of S3, and its Jacobian (3, n) and drift (3,)
+    are of the angular velocity, the tangent vector there.
+
     Parameters
     ----------
     site : str
     base : Object, Site or None
         From where it is seen; None is the world.
     part : str
-        ``"pose"``, ``"position"`` or ``"orientation"``.
+        ``"pose"``, ``"position"``, ``"orientation"`` or ``"quaternion"``.
     reference : (9,) tuple, optional
         C: by default the orientation that is seen at home; of an object, its own axes.
     """
 
     site: str
     base: Object | Site | None
-    part: Literal["pose", "position", "orientation"]
+    part: Literal["pose", "position", "orientation", "quaternion"]
     reference: Rotation | None = None
 
     def __post_init__(self) -> None:
@@ -152,6 +167,19 @@ class SiteView(View):
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
         return LABELS[self.part]
+
+    @property
+    def curved(self) -> bool:
+        """Whether it is a quaternion."""
+        return self.part == "quaternion"
+
+    def manifold(self, robot: Robot) -> Manifold:
+        """S3 of a quaternion, else R^n."""
+        return S3 if self.curved else super().manifold(robot)
+
+    def kinds(self, robot: Robot) -> tuple[str, ...]:
+        """Kinds of the dimensions."""
+        return ("angle",) * 4 if self.curved else super().kinds(robot)
 
     def about(self, reference: np.ndarray) -> "SiteView":
         """The same with rotation vectors counted from a rotation (3, 3)."""
@@ -162,6 +190,8 @@ class SiteView(View):
         if self.part == "position":
             return self._position(state)
         R, p, J, drift = self._relative(state)
+        if self.part == "quaternion":
+            return Seen(np.roll(pin.Quaternion(R).coeffs(), 1), J[3:], drift[3:])
         error = R @ self.resolved(state.robot, self._back)
         turning = pin.Jlog3(error).T
         if self.part == "orientation":
@@ -222,7 +252,13 @@ class SiteView(View):
 
 
 _STILL = np.zeros(6)
-_ROWS = {"position": slice(0, 3), "orientation": slice(3, 6), "pose": slice(0, 6)}
+_TURNING = slice(3, 6)
+_ROWS = {
+    "position": slice(0, 3),
+    "orientation": _TURNING,
+    "quaternion": _TURNING,
+    "pose": slice(0, 6),
+}
 
 
 def as_rotation(matrix: np.ndarray) -> Rotation:

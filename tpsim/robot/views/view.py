@@ -17,6 +17,7 @@ from scipy.linalg.lapack import dposv
 from tpsim.border import NotNegative, Positive, border, checked, read
 from tpsim.checks import finite_array, shown
 from tpsim.errors import ArgumentError
+from tpsim.manifold.manifold import Manifold, R
 from tpsim.robot.indices import as_slice
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
@@ -37,9 +38,9 @@ class Seen(NamedTuple):
     Parameters
     ----------
     value : (d,)
-        [m], [rad]
+        [m], [rad]; a point of the view's manifold.
     jacobian : (d, n)
-        What precision acts on.
+        What precision acts on; on a curved manifold of its tangent coordinates.
     drift : (d,)
         Rate at which the value changes while the robot rests, since objects move [1/s].
     rate : (d, n), optional
@@ -58,9 +59,18 @@ class View(ABC):
     Call it with a :class:`~tpsim.robot.state.State`, which remembers what was seen of it.
     """
 
+    @property
+    def curved(self) -> bool:
+        """Whether values are points of a curved manifold, which have no parts or differences."""
+        return False
+
     @abstractmethod
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions with their units, such as ``"x [m]"``."""
+
+    def manifold(self, robot: Robot) -> Manifold:
+        """Where the view's values live: R^n by default."""
+        return R(len(self.labels(robot)))
 
     def kinds(self, robot: Robot) -> tuple[str, ...]:
         """Kind of quantity of each dimension: those of one kind can be compared."""
@@ -158,6 +168,7 @@ class Part(View):
 
     def __post_init__(self) -> None:
         checked(self)
+        _check_flat(self.whole, "parts")
         if not self.indices or len(self.indices) > MOST:
             raise ArgumentError(f"indices are {shown(self.indices)}; give 1 to {MOST}")
 
@@ -198,6 +209,7 @@ class Offset(View):
 
     def __post_init__(self) -> None:
         checked(self)
+        _check_flat(self.whole, "differences")
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
@@ -252,6 +264,7 @@ class Beneath(View):
 
     def __post_init__(self) -> None:
         checked(self)
+        _check_flat(self.second, "projections")
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
         """Names of the dimensions."""
@@ -274,6 +287,22 @@ class Beneath(View):
         free = eye - s * dposv(G + s * eye, eye)[1]
         rate = J_second if rate is None else rate
         return Seen(free @ value, beneath, free @ drift, free @ rate)
+
+
+def manifold_of(views: Sequence[View], robot: Robot) -> Manifold:
+    """Where several views together live: the product of their manifolds, points side by side."""
+    first, *others = (view.manifold(robot) for view in views)
+    for other in others:
+        first = first * other
+    return first
+
+
+def _check_flat(view: View, what: str) -> None:
+    if view.curved:
+        raise ArgumentError(
+            f"{shown(view)} lives on a curved manifold, which has no {what}; give its rotation "
+            "vector, as in Site(name).orientation"
+        )
 
 
 @cache

@@ -46,8 +46,11 @@ FAR = np.sqrt(7.0)
 these from each other: with t, t' taught and z far, E|t - t'|^2 = 2 E|t|^2 and
 E|z - t|^2 = |z|^2 + E|t|^2."""
 
+WOBBLE = 0.3
+"""Spread of the axis about which docks are turned far, which is the gripper's but for it."""
+
 HELD = {"start": rotation.exp([np.pi, 0.0, 0.0]), "end": rotation.exp([0.0, np.pi, 0.0])}
-"""Rotation of the gripper in each dock, pointing down. The charts of orientation begin there."""
+"""Rotation of the gripper in each dock, pointing down. Errors are from there."""
 
 TILT, OUT = rotation.exp([-0.3, 0.0, 0.0]), np.array([0.0, 0.12, 0.03])
 """From inside a dock to the pose that the teacher passes before and after it, for an arm of size 1:
@@ -149,6 +152,21 @@ def draw(
     ):
         turn, move = rotation.exp(layout.rotation @ offset[3:]), layout.rotation @ offset[:3]
         docks[name] = Pose(turn @ R, p + size * move)
+    return docks
+
+
+def draw_turned(
+    robot: Robot, rng: np.random.Generator, most: float, layout: Layout = STANDARD
+) -> Docks:
+    """Draw docks between which the hand must turn by half of an angle [rad] to all of it.
+
+    Either way round, about an axis that is nearly the gripper's: about others few arms can.
+    """
+    docks = dict(draw(robot, rng, layout=layout))
+    axis = np.array([0.0, 0.0, rng.choice([-1.0, 1.0])]) + WOBBLE * rng.standard_normal(3)
+    turn = rng.uniform(most / 2, most) * axis / np.linalg.norm(axis)
+    held = rotation.exp(layout.rotation @ turn) @ docks["start"].rotation @ HELD["start"]
+    docks["end"] = Pose(held @ HELD["end"].T, docks["end"].position)
     return docks
 
 

@@ -73,6 +73,9 @@ def conditions(lab: Lab, plan: Plan) -> Phases:
             Condition("far", far),
             *_seen(task.perception, near, index, pace),
         ]
+        if task.apart:
+            turned = partial(task.situation, apart=task.apart)
+            found.append(Condition("turned", draw_situation(task, plan.seed, index, turned)))
         for k in range(plan.pushes):
             label, situation = ("far pushed", far) if k % 2 else ("pushed", near)
             # Of either kind every other one.
@@ -266,12 +269,16 @@ MEASURES = (
 )
 
 
+TURNED = _end("end_turned", "turned", "End where the hand must turn far, worst")
+"""Where docks are turned against each other: the task's ``apart``."""
+
+
 def study(task: Transfer) -> Study:
     """The study of transfer."""
     compared = experts.contest(task)
     return Study(
         task,
-        MEASURES,
+        (*MEASURES, *TURNED) if task.apart else MEASURES,
         controllers=fixed_gains(compared.experts["computed"]) | by_progress(task),
         conditions=conditions,
         contest=compared,

@@ -9,14 +9,15 @@ tracked by the LQT of all frames at once over the finite horizon (Eq. 38), where
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
-from tpsim.border import Positive
-from tpsim.control.poses import SeenMovement
+from tpsim.agreement import agree
+from tpsim.border import Positive, Range
 from tpsim.controllers.finite_horizon import FiniteHorizon, effort_of
 from tpsim.controllers.minimal_intervention import bandwidth_for
+from tpsim.controllers.seen_poses import POSE
 from tpsim.demonstration import Demonstration
 from tpsim.errors import SimulationError
 from tpsim.gaussian import Gaussian
@@ -24,11 +25,14 @@ from tpsim.learning.dtw import align
 from tpsim.learning.gmm import GMM
 from tpsim.learning.semi_markov import SemiMarkovChain
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
+from tpsim.manifold.gaussian import RiemannianGaussian
+from tpsim.manifold.manifold import R
 from tpsim.pose import Pose
 from tpsim.retrieval.gmr import gmr
 from tpsim.robot.indices import Chain
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Object, Site
+from tpsim.robot.views.view import View
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
 from tpsim.tasks.transfer import docks
 from tpsim.tasks.transfer.arrangement import arranged, furnished_with_docks
@@ -50,10 +54,15 @@ the control loop can bear."""
 ARRIVED = {"position": 0.005, "orientation": float(np.radians(3.0))}
 """Distance [m] and angle [rad] from the place in the second dock at which the hand is there."""
 
+UNHURRIED = 1.5
+"""How much longer a teacher takes where the hand must turn far."""
+
+Apart = Annotated[float, Range(least=0, below=180)]
+"""Angle [deg]; at half a turn either way round is as good."""
+
 MISSED = 10.0
 """How many times farther than that the hand counts as unable to reach it."""
 
-# Apart, since a few demonstrations do not show how position and orientation depend on each other.
 SEEN = {
     (name, part): view
     for name in docks.NAMES
@@ -65,12 +74,18 @@ SEEN = {
         ),
     )
 }
-"""Parts of the hand's pose as each dock sees them, Eq. (41)."""
+"""How far the hand is from its place in each dock, Eq. (41): zero where it is in it."""
 
-VIEWS = {f"{part} from {name}": view for (name, part), view in SEEN.items()} | {
-    "posture": Joints(Chain(docks.GRIPPER))
-}
-"""Candidate frames: position and orientation from each dock, and the arm's posture."""
+# Apart, since a few demonstrations do not show how position and orientation depend on each other.
+VIEWS: dict[str, View] = {
+    f"{part} from {name}": view
+    for name in docks.NAMES
+    for part, view in (
+        ("position", SEEN[name, "position"]),
+        ("orientation", Site(docks.GRIPPER).seen_from(Object(name)).quaternion),
+    )
+} | {"posture": Joints(Chain(docks.GRIPPER))}
+"""Candidate frames: position (R3) and orientation (S3) from each dock, and the arm's posture."""
 
 
 GOALS = {
@@ -104,6 +119,9 @@ class Transfer(Task):
         Whose hands show it: ``"human"``, as measured in people, or ``"firm"``, firmer and finer.
     perception : Perception
         How the docks are seen in the trials that are not told where they are.
+    apart : float
+        Angle [deg] up to which the hand must turn between the docks in further situations of the
+        study, from half of it on; by default there are none of these.
     """
 
     robot: str = DEFAULT
@@ -114,6 +132,7 @@ class Transfer(Task):
     progress: Literal["clock", "state"] = "clock"
     teacher: TeacherName = "firm"
     perception: Perception = Perception()  # noqa: RUF009 - a frozen value
+    apart: Apart = 0.0
 
     demonstrations: ClassVar[int] = 12
 
@@ -149,20 +168,34 @@ class Transfer(Task):
         """A TP-GMM over time and all frames, of demonstrations brought onto one time."""
         clock = np.linspace(0.0, self.layout.movement, self.samples)
         views = [demonstration.resampled(self.samples) for demonstration in seen]
-        aligned = align(views, by="frames", band=self.warp * self.samples)
+        own = [view.manifold(self.stage.robot) for view in VIEWS.values()]
+        # Neither q nor -q is the better one; which of them a camera or a script says is no news.
+        aligned = align(agree(views), by="frames", band=self.warp * self.samples, manifold=own)
         timed = [view.with_time(clock) for view in aligned]
-        return fit_tp_gmm(timed, self.components, start="time")
+        seen_in_time = [R(1, "inputs") * one for one in own]
+        return fit_tp_gmm(timed, self.components, start="time", manifold=seen_in_time)
 
-    def situation(self, world: World, rng: np.random.Generator, far: bool = False) -> Situation:
-        """Draw docks, and a posture with the hand in the first one; ``far`` beyond the taught.
+    def situation(
+        self,
+        world: World,
+        rng: np.random.Generator,
+        far: bool = False,
+        apart: float = 0.0,
+    ) -> Situation:
+        """Draw docks, and a posture with the hand in the first one.
 
-        Far away not every draw can be carried out by anybody: one that the teacher's hand could
-        lead the arm through is asked for.
+        They are ``far`` beyond the taught, or ``apart`` [deg] as the field says. Not every such
+        draw can be carried out by anybody: one that the teacher's hand could lead the arm through
+        is asked for.
         """
-        placed = docks.draw(world.robot, rng, far, self.layout)
+        pace = self.layout.pace
+        if apart:
+            placed = docks.draw_turned(world.robot, rng, np.radians(apart), self.layout)
+            pace *= UNHURRIED
+        else:
+            placed = docks.draw(world.robot, rng, far, self.layout)
         start = docks.start_posture(world, placed, rng)
-        if far:
-            pace = self.layout.pace
+        if far or apart:
             why = hindrance(world, lesson_between(world, placed, start, rng, self.teacher, pace))
             if why:
                 raise SimulationError(f"the teacher cannot carry between these docks: {why}")
@@ -175,11 +208,11 @@ class Transfer(Task):
         times = np.linspace(0.0, movement, round(movement / DT) + 1)
         *seen, posture = (gmr(GMM(model.priors, frame), times) for frame in model.frames)
         movements = []
-        for name, *parts in zip(docks.NAMES, seen[::2], seen[1::2], strict=True):
-            precision = np.zeros((len(times), 6, 6))
-            precision[:, :3, :3], precision[:, 3:, 3:] = (part.precision for part in parts)
+        for parts in zip(seen[::2], seen[1::2], strict=True):
+            covariance = np.zeros((len(times), 6, 6))
+            covariance[:, :3, :3], covariance[:, 3:, 3:] = (part.covariance for part in parts)
             mean = np.hstack([gaussian.mean for gaussian in parts])
-            movements.append(SeenMovement(mean, precision, docks.HELD[name]))
+            movements.append(RiemannianGaussian.trusted_on(POSE, mean, covariance))
         return FiniteHorizon(
             world.robot,
             docks.NAMES,
@@ -191,6 +224,7 @@ class Transfer(Task):
             dt=float(times[1]),
             effort=self.effort * effort_of(world.robot, joints),
             chain=stays(model, times) if self.progress == "state" else None,
+            shown=round(model.samples / self.samples),
         )
 
     def goals(self) -> dict[str, Goal]:

@@ -12,8 +12,9 @@ from tpsim.study.files.run import load_run
 from tpsim.task.acceptance import errors, refusal
 from tpsim.task.verbs import show_all
 from tpsim.tasks.cup_and_sugar import cup
+from tpsim.world.course import Shown
 from tpsim.world.people.demonstrator import FIRM
-from tpsim.world.teaching import Refusal, Shown, show
+from tpsim.world.teaching import Refusal, show
 
 TIP = lab.Site("tip")
 LOOSE = lab.Grip(600.0, 40.0, 0.0, 0.0, 30.0)

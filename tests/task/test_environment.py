@@ -13,6 +13,8 @@ from dm_env import test_utils
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import TPGMM
+from tpsim.manifold.gaussian import RiemannianGaussian
+from tpsim.manifold.manifold import R
 from tpsim.robot.objects import Objects
 from tpsim.robot.views.sites import Site
 from tpsim.study.reference import load_study
@@ -47,11 +49,17 @@ def some_models(task):
     for name, behaviour in task.behaviours().items():
         frames = []
         for view in behaviour.views.values():
-            y = view(state).value
-            mean = y + 0.05 * rng.standard_normal((2, y.size))
+            y, space = view(state).value, view.manifold(world.robot)
+            mean = space.exp(y, 0.05 * rng.standard_normal((2, space.dim)))
             if task.name in TIMED:
-                mean = np.column_stack([[0.5, 4.0], mean])
-            frames.append(Gaussian(mean, 0.01 * np.array([np.eye(mean.shape[1])] * 2)))
+                mean, space = np.column_stack([[0.5, 4.0], mean]), R(1, "inputs") * space
+            covariance = 0.01 * np.array([np.eye(space.dim)] * 2)
+            curved = mean.shape[1] > space.dim
+            frames.append(
+                RiemannianGaussian(space, mean, covariance)
+                if curved
+                else Gaussian(mean, covariance)
+            )
         models[name] = TPGMM(np.full(2, 0.5), tuple(frames))
     return models
 

@@ -67,9 +67,8 @@ INSIDE = {
         "a check, which takes the name under which a user knows the argument",
     ),
     **dict.fromkeys(
-        [f"lab.{kind}.{step}" for step in ("command", "kinds", "labels", "product", "renew",
-         "resolved",
-         "rows", "see", "moving", "bind") for kind in KINDS],
+        [f"lab.{kind}.{step}" for step in ("command", "kinds", "labels", "manifold", "product",
+         "renew", "resolved", "rows", "see", "moving", "bind") for kind in KINDS],
         "its author writes it, the roll-out calls it at every time step",
     ),
     **dict.fromkeys(

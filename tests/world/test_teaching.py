@@ -8,10 +8,11 @@ from tpsim.errors import ArgumentError, SimulationError
 from tpsim.pose import Pose
 from tpsim.tasks.cup_and_sugar import cup
 from tpsim.tasks.cup_and_sugar.hands import Hands
+from tpsim.world.course import Course
 from tpsim.world.people.guide import Grip
 from tpsim.world.people.script import Variation, minimum_jerk, script, straight
 from tpsim.world.reach import reach
-from tpsim.world.teaching import Attempt, Course, Lesson, Refusal, demonstrate, teach
+from tpsim.world.teaching import Attempt, Lesson, Refusal, demonstrate, teach
 from tpsim.world.trial import Trial
 
 SITES = {"left_hand": "left_gripper", "cup": "cup"}

@@ -222,8 +222,7 @@ def _alternate(
     unfolded: list[np.ndarray], factors: list[np.ndarray], tolerance: float, rounds: int
 ) -> tuple[float, list[np.ndarray]]:
     """Squared norm of what is left, and factors: one mode after another by least squares."""
-    total = float((unfolded[0] ** 2).sum())
-    lost = np.inf
+    total, lost = float((unfolded[0] ** 2).sum()), np.inf
     for _ in range(rounds):
         for mode, matrix in enumerate(unfolded):
             others = factors[:mode] + factors[mode + 1 :]

@@ -286,9 +286,8 @@ def fit_tp_gmm(
     options = Options(covariance, start, ridge, tolerance, max_iterations, restarts, time, rng)
     if manifold is not None:
         found = fit_on(manifold, seen, components, options)
-        count = found.samples.count
         say_if_hidden(found.hidden)
-        return TPGMM(found.priors, found.frames, found.history, count, found.structure)
+        return TPGMM(found.priors, found.frames, found.history, sum(seen.lengths), found.structure)
     fitted = fit(seen, components, options)
     say_if_hidden(fitted.hidden)
     return TPGMM(

@@ -18,7 +18,8 @@ from tpsim.task.task import Models, Task
 from tpsim.task.verbs import Taught, show_once
 from tpsim.task.verbs import learn as learn_behaviours
 from tpsim.whole import check_free, numbered_folder, whole_folder
-from tpsim.world.teaching import Attempt, Course, Shown
+from tpsim.world.course import Course, Shown
+from tpsim.world.teaching import Attempt
 from tpsim.world.threads import one_thread
 
 TEXT = (

@@ -11,13 +11,14 @@ from tpsim.task.acceptance import refusal
 from tpsim.task.check import check
 from tpsim.task.relevance import with_relevance
 from tpsim.task.task import Models, Situation, Task, controller_of, demonstration
+from tpsim.world.course import Course, Shown
 from tpsim.world.episode import Person
 from tpsim.world.impedance import Controller
 from tpsim.world.people.push import Push
 from tpsim.world.plant import NOMINAL, Plant
 from tpsim.world.rollout import Rollout, rollout
 from tpsim.world.tank import Tank
-from tpsim.world.teaching import Attempt, Course, Shown, attempted
+from tpsim.world.teaching import Attempt, attempted
 from tpsim.world.threads import one_thread
 from tpsim.world.trial import Trial
 

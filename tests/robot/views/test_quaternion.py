@@ -7,9 +7,8 @@ from tpsim import S3, R, rotation
 from tpsim.catalogue.robots import find
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
-from tpsim.robot.views.observe import observe
+from tpsim.robot.views.observe import manifold_of, observe
 from tpsim.robot.views.sites import Object, Site
-from tpsim.robot.views.view import manifold_of
 
 HAND = Site("left_gripper")
 DOCK = Pose(rotation.exp([0.3, -2.0, 1.0]), np.array([0.5, 0.1, 0.2]))

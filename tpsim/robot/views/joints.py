@@ -10,7 +10,8 @@ from tpsim.errors import ArgumentError
 from tpsim.robot.indices import Names
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
-from tpsim.robot.views.view import DAMPING, Seen, View, stacked_rows, through_nullspace
+from tpsim.robot.views.nullspace import stacked_rows, through_nullspace
+from tpsim.robot.views.view import DAMPING, Seen, View
 
 
 @dataclass(frozen=True)

@@ -70,3 +70,11 @@ def _beside(
     """Positions or quaternions (T, k, size) of all objects."""
     found = [places[part] for places in (objects or {}).values()]
     return np.stack(found, axis=1).astype(float) if found else np.zeros((length, 0, size))
+
+
+def manifold_of(views: Sequence[View], robot: Robot) -> Manifold:
+    """Where several views together live: the product of their manifolds, points side by side."""
+    first, *others = (view.manifold(robot) for view in views)
+    for other in others:
+        first = first * other
+    return first

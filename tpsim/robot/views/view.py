@@ -8,7 +8,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +21,7 @@ from tpsim.manifold.manifold import Manifold, R
 from tpsim.robot.indices import as_slice
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
+from tpsim.robot.views.nullspace import eye, stacked_rows, through_nullspace
 
 DAMPING = 0.01
 """Singular value of a Jacobian below which its nullspace is no longer told apart [m/rad]."""
@@ -282,19 +283,11 @@ class Beneath(View):
         if self.bend is None:
             return Seen(value, beneath, drift, beneath)
         s = self.damping**2 + self.bend * float(np.sqrt(value @ value))
-        G, eye = beneath @ beneath.T, _eye(len(value))
+        G, one = beneath @ beneath.T, eye(len(value))
         # P = G (G + s I)^-1 = I - s (G + s I)^-1.
-        free = eye - s * dposv(G + s * eye, eye)[1]
+        free = one - s * dposv(G + s * one, one)[1]
         rate = J_second if rate is None else rate
         return Seen(free @ value, beneath, free @ drift, free @ rate)
-
-
-def manifold_of(views: Sequence[View], robot: Robot) -> Manifold:
-    """Where several views together live: the product of their manifolds, points side by side."""
-    first, *others = (view.manifold(robot) for view in views)
-    for other in others:
-        first = first * other
-    return first
 
 
 def _check_flat(view: View, what: str) -> None:
@@ -303,27 +296,3 @@ def _check_flat(view: View, what: str) -> None:
             f"{shown(view)} lives on a curved manifold, which has no {what}; give its rotation "
             "vector, as in Site(name).orientation"
         )
-
-
-@cache
-def _eye(size: int) -> np.ndarray:
-    """Identity, made once: control loops ask for it often."""
-    return np.eye(size)
-
-
-def stacked_rows(views: Sequence[View], state: State) -> np.ndarray:
-    """Jacobians (d, n) of several views, one upon the other, as far as a nullspace needs them."""
-    if len(views) == 1:
-        return views[0].rows(state)
-    return np.concatenate([view.rows(state) for view in views])
-
-
-def through_nullspace(J_second: np.ndarray, J: np.ndarray, damping: float) -> np.ndarray:
-    """``J~ N`` (k, n) with ``N = I - J^T (J J^T + damping^2 I)^-1 J``, Eqs (42)-(44).
-
-    By the normal equations of J (m, n): an SVD costs ten times as much.
-    """
-    gram = J @ J.T
-    gram.flat[:: len(gram) + 1] += damping**2
-    felt: np.ndarray = dposv(gram, J @ J_second.T)[1]
-    return J_second - felt.T @ J

@@ -224,7 +224,7 @@ class Transfer(Task):
             dt=float(times[1]),
             effort=self.effort * effort_of(world.robot, joints),
             chain=stays(model, times) if self.progress == "state" else None,
-            shown=round(model.samples / self.samples),
+            shown=round(model.samples / self.samples) or None,
         )
 
     def goals(self) -> dict[str, Goal]:

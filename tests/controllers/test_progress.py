@@ -109,8 +109,8 @@ def test_progress_is_led_on_from_one_observation_to_the_next_without_a_jump(dock
 
 
 def test_stays_must_add_up_to_the_movement(dock_world):
-    with pytest.raises(ArgumentError, match="add up to 4 steps and the movement has 60"):
-        controller(dock_world, SemiMarkovChain.along([0, 0, 1, 1]))
+    with pytest.raises(ArgumentError, match="add up to 50 steps and the movement has 60"):
+        controller(dock_world, SemiMarkovChain.along([0] * 25 + [1] * 25))
 
 
 def test_a_hold_needs_time_and_keeps_within_its_strength(performed):

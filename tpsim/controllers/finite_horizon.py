@@ -11,7 +11,7 @@ from tpsim.border import Count, Positive, border
 from tpsim.control.impedance import impedance
 from tpsim.control.system import integrator
 from tpsim.control.unrolled import Unrolled, tracked
-from tpsim.controllers.progress import ByState
+from tpsim.controllers.progress import AheadOfState
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.controllers.seen_poses import (
     POSE,
@@ -97,8 +97,8 @@ class FiniteHorizon(RenewedImpedance):
     period : float
         Time for which an impedance lasts [s].
     chain : SemiMarkovChain, optional
-        Of the movement's states, with durations in steps of ``dt`` that add up to it. Progress is
-        then inferred from the hand: held it stands still, pushed on it hurries. By default the
+        Of the movement's states, at every step or every second, third, ... one. Progress is then
+        inferred from the hand: held it stands still, pushed on it hurries. By default the
         clock says how far the movement has come.
     shown : int, optional
         From how many demonstrations the movements were learned. What an object saw in so few of
@@ -149,13 +149,16 @@ class FiniteHorizon(RenewedImpedance):
             raise ArgumentError(
                 f"posture has means of shape {posture.mean.shape}; give ({steps}, {len(joints)})"
             )
-        if chain is not None and round(float(chain.durations.mean.sum())) != len(posture.mean):
+        ticks = steps if chain is None else max(1, round(float(chain.durations.mean.sum())))
+        self._ticks = slice(None, None, -(-steps // ticks))
+        if len(range(steps)[self._ticks]) != ticks:
             raise ArgumentError(
-                f"stays of the chain add up to {chain.durations.mean.sum():g} steps and the "
-                f"movement has {len(posture.mean)}; give SemiMarkovChain.along(its states)"
+                f"stays of the chain add up to {ticks} steps and the movement has {steps}; give "
+                "SemiMarkovChain.along(its states), or of every second, third, ... of them"
             )
         self.chain = chain
-        self._progress = None if chain is None else ByState(chain, dt)
+        every = dt * self._ticks.step
+        self._progress = None if chain is None else AheadOfState(chain, every, 1 / dt)
         self._system = integrator(6, dt, exact=True)
         self._steps, self._tail = steps, round(TAIL / dt)
         # The costs of torque change slowly: one posture stands for some of its neighbours.
@@ -258,9 +261,9 @@ class FiniteHorizon(RenewedImpedance):
         self._brakes: np.ndarray = feedback.gain[kept, :, 6:]
         self._springs = np.dstack([-feedback.gain[..., :6], feedback.feedforward])[kept]
         if self._progress is not None:
-            axes = path.axes[: len(way)]
-            spread = axes.mT @ np.linalg.inv(precision) @ axes
-            places = Gaussian.trusted(path.plane[: len(way)], spread)
+            axes = path.axes[: len(way)][self._ticks]
+            spread = axes.mT @ np.linalg.inv(precision[self._ticks]) @ axes
+            places = Gaussian.trusted(path.plane[: len(way)][self._ticks], spread)
             self._progress.follow(self._on_plane, places)
 
     def _way(self, means: np.ndarray, precisions: np.ndarray, state: State) -> np.ndarray:
@@ -286,7 +289,7 @@ class FiniteHorizon(RenewedImpedance):
         turn, back = R @ self._turned[t].T, path.axes[t].T
         away = np.concatenate([p - path.points[t, :3], pin.log3(turn)])
         J = np.concatenate([J[:3], pin.Jlog3(turn).T @ J[3:]])
-        return Seen(path.plane[t] + back @ away, back @ J, _STILL)
+        return Seen(path.plane[t] + back @ away, back @ J, np.zeros(6))
 
     def _law(self, time: float) -> tuple[int, np.ndarray]:
         """Step of the movement, and spring there, linear between steps."""
@@ -295,6 +298,3 @@ class FiniteHorizon(RenewedImpedance):
         share = min(max(since - k, 0.0), 1.0)
         step = min(k + self._first, self._steps - 1)
         return step, (1 - share) * self._springs[k] + share * self._springs[k + 1]
-
-
-_STILL = np.zeros(6)

@@ -21,6 +21,14 @@ STRAY = np.array([0.008] * 3 + [0.05] * 3)
 SLIP = np.array([0.05] * 3 + [0.3] * 3)
 """Standard deviation of its velocity [m/s], [rad/s]."""
 
+LEAD, TEMPO = 0.12, ((-1.0, 0.0, 0.5, 1.0), (2.0, 1.0, 1.0, 0.0))
+"""How far ahead of where hands are the movement is asked for at most [s], and how fast it goes on
+at these shares of it: at its own tempo as long as hands keep up, faster if somebody pushes them on.
+Hands that are held are asked for no more, yet let go they are drawn on."""
+
+DRAWN = 0.06
+"""Time [s] ahead of which a hand is to be drawn, so that noise does not stop it."""
+
 
 class Progress(Protocol):
     """Says how far a movement has come; without one, the clock does."""
@@ -104,3 +112,57 @@ class ByState:
         self._since = time
         soon = self._passage.place(self._filter.foreseen(self._belief))
         self._rate = (soon - self._place) / self._dt
+
+
+class Ahead:
+    """What of a movement is asked for, a little ahead of where hands are (:data:`LEAD`).
+
+    Parameters
+    ----------
+    lead : float
+        How far at most [s].
+    """
+
+    def __init__(self, lead: float = LEAD):
+        self._lead, self._asked, self._since, self._rate = lead, 0.0, 0.0, 0.0
+
+    def of(self, place: float, time: float) -> tuple[float, float]:
+        """Time within the movement [s] to ask for, and how much of it passes per second.
+
+        Parameters
+        ----------
+        place : float
+            Where in the movement hands are [s].
+        time : float
+            By the clock [s].
+        """
+        self._asked += self._rate * (time - self._since)
+        self._since = time
+        self._rate = float(np.interp((self._asked - place) / self._lead, *TEMPO))
+        return self._asked, self._rate
+
+
+class AheadOfState(ByState):
+    """The movement's time as it is inferred, and asked for a little ahead (:class:`Ahead`).
+
+    A critically damped spring that follows a movement draws as if from two over its natural
+    frequency ahead; stiff ones are asked for the rest of :data:`DRAWN`.
+
+    Parameters
+    ----------
+    chain : SemiMarkovChain
+    dt : float
+        As for :class:`ByState` [s].
+    stiffest : float
+        Largest natural frequency of the springs [1/s].
+    """
+
+    def __init__(self, chain: SemiMarkovChain, dt: float, stiffest: float):
+        super().__init__(chain, dt)
+        lead = DRAWN - 2 / stiffest
+        self._ahead = Ahead(lead) if lead > 1e-9 else None
+
+    def at(self, state: State, time: float) -> tuple[float, float]:
+        """Time within the movement [s] to ask for, and how much of it passes per second."""
+        place, rate = super().at(state, time)
+        return (place, rate) if self._ahead is None else self._ahead.of(place, time)

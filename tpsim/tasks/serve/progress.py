@@ -12,7 +12,7 @@ import numpy as np
 
 from tpsim import rotation
 from tpsim.control.poses import SeenMovement, fuse_poses
-from tpsim.controllers.progress import ByState
+from tpsim.controllers.progress import Ahead, ByState
 from tpsim.gaussian import Gaussian
 from tpsim.learning.gmm import GMM
 from tpsim.learning.semi_markov import SemiMarkovChain
@@ -40,11 +40,6 @@ STRAY, SLIP = 0.008 * _EACH, 0.2 * _EACH
 """How far [m], [rad] a hand may be from its way besides what was taught, and the deviation of its
 velocity [m/s], [rad/s]. What is retrieved of the speed is uneven, so that it tells little: hands
 that rest between two Gaussians would be taken for hands that are held."""
-
-LEAD, TEMPO = 0.12, ((-1.0, 0.0, 0.5, 1.0), (2.0, 1.0, 1.0, 0.0))
-"""How far ahead of where hands are the movement is asked for at most [s], and how fast it goes on
-at these shares of it: at its own tempo as long as hands keep up, faster if somebody pushes them on.
-Hands that are held are asked for no more, yet let go they are drawn on."""
 
 
 class HandsProgress:
@@ -99,7 +94,7 @@ class HandsProgress:
         chain = SemiMarkovChain.along(stays)
         self._cup_hand = ByState(chain, dt, PACE, STRAY, SLIP)
         self._sugar_hand = ByState(chain, dt, PACE, STRAY[:3], SLIP[:3])
-        self._asked = self._since = self._rate = 0.0
+        self._ahead = Ahead()
         self._seen: np.ndarray | None = None
 
     def at(self, state: State, time: float) -> tuple[float, float]:
@@ -112,10 +107,7 @@ class HandsProgress:
             self._follow(poses)
         # What we move ourselves is no evidence that nobody holds the other hand.
         place = min(hand.at(state, time)[0] for hand in (self._cup_hand, self._sugar_hand))
-        self._asked += self._rate * (time - self._since)
-        self._since = time
-        self._rate = float(np.interp((self._asked - place) / LEAD, *TEMPO))
-        return self._asked, self._rate
+        return self._ahead.of(place, time)
 
     def _follow(self, poses: dict[str | None, Pose]) -> None:
         """From now on, objects are at these poses."""

@@ -85,14 +85,14 @@ class Rehearsed:
 
 def hindrance(world: World, lesson: Lesson) -> str:
     """What keeps the arm from following a lesson; nothing where it can."""
-    robot, simulation = world.robot, world.simulation()
+    robot, simulation, taught = world.robot, world.simulation(), _taught(world, lesson)
     for count, (q, share, behind) in enumerate(_followed(world, lesson)):
         if behind:
             return "a hand stays behind"
         if share > EASY:
             return "a joint would be too fast"
         room = np.minimum(q - robot.lower, robot.upper - q)
-        if room[_taught(world, lesson)].min() < MARGIN:
+        if room[taught].min() < MARGIN:
             return "a joint comes near its limit"
         if count % CONTACT_STRIDE == 0:
             simulation.reset(q)

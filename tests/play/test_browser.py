@@ -146,6 +146,7 @@ def test_two_tabs_see_one_world_and_a_closed_one_lets_go(browser, tab, page, unt
     session, other = page.session, open_tab(browser, page)
     with session.lock:
         session.perform()
+    page.refresh()
     for each in (tab, other):
         each.get_by_text("Drag any part to push it").wait_for()
     before = tip(page)

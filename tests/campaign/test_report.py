@@ -64,6 +64,12 @@ def test_shares_have_wilson_intervals():
     assert share(np.array([True] * 3 + [False])).value == 0.75
 
 
+def test_of_no_trial_a_share_is_unknown(recwarn):
+    low, high = wilson(np.array([0]), np.array([0]))
+    np.testing.assert_allclose((low[0], high[0]), (0.0, 1.0), atol=1e-15)
+    assert not recwarn.list
+
+
 def test_an_interval_counts_situations_not_trials():
     """Six equal trials of one situation are one; the interval covers as often as it says."""
     rng, covered = np.random.default_rng(1), 0

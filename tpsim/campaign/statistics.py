@@ -50,10 +50,10 @@ def share(kept: np.ndarray) -> Estimate:
 def wilson(count: np.ndarray, total: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Limits (k,) of the 95 % Wilson intervals of ``count`` (k,) out of ``total`` (k,)."""
     z = float(ndtri(0.975))
-    total = np.maximum(total, 1e-300)
-    p = count / total
-    middle = (p + z**2 / (2 * total)) / (1 + z**2 / total)
-    half = z / (1 + z**2 / total) * np.sqrt(p * (1 - p) / total + z**2 / (4 * total**2))
+    # Of no trial nothing is known: from 0 to 1.
+    p = count / np.maximum(total, 1)
+    middle = (count + z**2 / 2) / (total + z**2)
+    half = z * np.sqrt(total * p * (1 - p) + z**2 / 4) / (total + z**2)
     return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
 
 

@@ -51,7 +51,8 @@ class Log:
             for part, now in (("wrench", person.wrench), ("point", person.point)):
                 row = keep[person, part]
                 # Who comes later was not there before.
-                row.extend([np.zeros_like(now)] * (len(self._states) - len(row)))
+                if (missing := len(self._states) - len(row)) > 0:
+                    row.extend([np.zeros_like(now)] * missing)
                 row.append(now)
         for person in self._watched:
             keep[person, "point"].append(person.point)

@@ -71,6 +71,9 @@ class BoundPush:
         self._body, R, p = simulation.attachment(push.body)
         self._point = p + R @ push.point
         self._whole = np.concatenate([push.force, push.torque])
+        # Views of MuJoCo's own memory: looking them up costs more than reading.
+        self._position = simulation.data.xpos[self._body]
+        self._rotation = simulation.data.xmat[self._body].reshape(3, 3)
         self.wrench = _NOTHING
 
     def act(self, step: int, state: State) -> None:
@@ -83,6 +86,5 @@ class BoundPush:
     @property
     def point(self) -> np.ndarray:
         """Where it acts (3,) [m], in the world as it is."""
-        data, body = self._simulation.data, self._body
-        point: np.ndarray = data.xpos[body] + data.xmat[body].reshape(3, 3) @ self._point
+        point: np.ndarray = self._position + self._rotation.dot(self._point)
         return point

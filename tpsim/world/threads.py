@@ -4,9 +4,10 @@ BLAS sums in another order on more threads, and so in other bits. Environment va
 before numpy is loaded; what is done here counts from within, in this process.
 """
 
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import lru_cache
 from threading import Lock
 
 from threadpoolctl import ThreadpoolController
@@ -52,10 +53,15 @@ def linear_algebra() -> str:
     )
 
 
-@cache
 def _libraries() -> ThreadpoolController:
     # Only a library that is loaded can be limited: numpy and scipy bring one each.
     import scipy.linalg
 
     assert scipy.linalg
+    return _loaded(len(sys.modules))
+
+
+@lru_cache(maxsize=1)
+def _loaded(modules: int) -> ThreadpoolController:
+    """What is loaded; looked for again only after something was imported, since it takes 4 ms."""
     return ThreadpoolController()

@@ -76,7 +76,8 @@ class Session:
         self.study, self.models, self.seed, self.index = study, models, seed, 0
         self.lock, self.speed, self.message = RLock(), 1.0, ""
         self.world: World = study.task.stage
-        self._simulation, self._beside = self.world.simulation(), self.world.simulation()
+        self._simulation = self.world.simulation(visible=True)
+        self._beside = self.world.simulation(visible=True)
         self.mode: Mode = "perform"
         self.others: Others = "held"
         self.controller = "learned" if models is not None else HOLD

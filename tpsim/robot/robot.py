@@ -268,6 +268,10 @@ class Robot:
         """Coriolis, centrifugal, gravity and spring torque (n,) [Nm]."""
         return self._with_springs(pin.nonLinearEffects(self._pin, self._dynamics, q, dq), q)
 
+    def compute_torque(self, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> np.ndarray:
+        """Torque (n,) [Nm] that accelerates the joints by ddq (n,): ``M ddq`` + bias, at once."""
+        return self._with_springs(pin.rnea(self._pin, self._dynamics, q, dq, ddq), q)
+
     def _with_springs(self, torque: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Torque against the joints' own springs, added; most robots have none."""
         return torque + self._springs * (q - self._slack) if self._sprung else torque

@@ -96,4 +96,5 @@ class State:
 
     def twist(self, site: str) -> np.ndarray:
         """Linear over angular velocity (6,) of a site, world-aligned [m/s], [rad/s]."""
-        return self.jacobian(site) @ self.dq
+        twist: np.ndarray = self.jacobian(site).dot(self.dq)
+        return twist

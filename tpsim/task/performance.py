@@ -86,7 +86,7 @@ class Performance:
     ):
         self.task, self.action, self._models = task, action, models
         self._people, self._plant = tuple(people), plant
-        self.robot, self.simulation = task.stage.robot, task.stage.simulation(plant)
+        self.robot, self.simulation = task.stage.robot, task.stage.simulation(plant, visible=True)
         check(task)
         self._goals, self._views = task.goals(), _frames(task)
         self._sites = task.sites()

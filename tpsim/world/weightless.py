@@ -10,6 +10,9 @@ from tpsim.robot.state import State
 HOLD = 400.0
 """Stiffness [1/s^2] of joints that are not taught, times inertia; critically damped."""
 
+_CRITICAL = 2 * HOLD**0.5
+"""Damping [1/s] with it."""
+
 DAMPING = 0.5
 """Of every joint [Nms/rad]: without it the elbow swings."""
 
@@ -46,11 +49,11 @@ class Weightless:
 
     def command(self, state: State, time: float) -> np.ndarray:
         """Joint torques (n,) [Nm]."""
-        torque = state.gravity - self._damping * state.dq
-        if state.robot.has_friction:
-            torque = torque + state.robot.friction_torque(state.dq)
+        robot, q, dq = state.robot, state.q, state.dq
+        torque = robot.compute_gravity(q) - self._damping * dq
+        if robot.has_friction:
+            torque = torque + robot.friction_torque(dq)
         if self._any:
-            rate = HOLD**0.5
-            pull = rate**2 * (self._posture - state.q) - 2 * rate * state.dq
-            torque = np.where(self._held, state.mass @ pull + state.bias, torque)
+            pull = HOLD * (self._posture - q) - _CRITICAL * dq
+            torque = np.where(self._held, robot.compute_torque(q, dq, pull), torque)
         return torque

@@ -78,6 +78,13 @@ class World:
             raise SimulationError(f"the scene does not compile: {error}") from None
 
     @cached_property
+    def _unseen(self) -> mujoco.MjModel:
+        """The same scene without what is only seen: the same bits, a fifth less time."""
+        spec = mujoco.MjSpec.from_string(self.xml, assets=dict(self.assets))
+        spec.compiler.discardvisual = True
+        return spec.compile()
+
+    @cached_property
     def robot(self) -> Robot:
         """The controller's model of the robot, with what it holds."""
         return Robot.of(self.model, self.description)
@@ -107,6 +114,7 @@ class World:
         made = replace(self, description=there)
         # Not a field of the value; compiling again would give the same.
         made.__dict__["model"] = self.model
+        made.__dict__["_unseen"] = self._unseen
         return made
 
     @property
@@ -125,6 +133,14 @@ class World:
         return moved + tuple(read_grasps(self.model))
 
     @border
-    def simulation(self, plant: Plant = NOMINAL) -> Simulation:
-        """A new simulation of this world on a plant."""
-        return Simulation(plant.model(self.model, self.robot), self.robot)
+    def simulation(self, plant: Plant = NOMINAL, *, visible: bool = False) -> Simulation:
+        """A new simulation of this world on a plant.
+
+        Parameters
+        ----------
+        plant : Plant
+        visible : bool
+            Whether it has geoms that nothing touches, for pictures of its data.
+        """
+        scene = self.model if visible else self._unseen
+        return Simulation(plant.model(scene, self.robot), self.robot)

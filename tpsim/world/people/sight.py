@@ -69,7 +69,7 @@ class Watched:
         (R, p), moved = self._past[0]
         age = self._timestep * (len(self._past) - 1)
         turned = pin.exp3(age * moved[3:])
-        return Pose(turned @ R, p + age * moved[:3]), moved
+        return Pose(turned.dot(R), p + age * moved[:3]), moved
 
 
 class Correction:

@@ -20,7 +20,7 @@ from tpsim.controllers.seen_poses import (
     placed_poses,
     precision_at,
 )
-from tpsim.controllers.torque_cost import felt_inertia, inertia_and_cost
+from tpsim.controllers.torque_cost import felt_inertia, inertia_and_cost, share_within
 from tpsim.controllers.way_round import apart, chosen, ways_round
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
@@ -42,7 +42,7 @@ TAIL = 0.6
 """Time [s] for which a plan goes on beyond the movement's end, which then lasts."""
 
 STRENGTH = 0.3
-"""Share of the motors' torque that springs do not exceed, as after a jump of an object."""
+"""Share of the motors' torque that springs do not exceed beyond brakes, as after a jump."""
 
 PERIOD = 0.008
 """Time for which an impedance lasts by default [s]."""
@@ -208,11 +208,11 @@ class FiniteHorizon(RenewedImpedance):
         y = np.append(seen.value, 1.0)
         pull = lever @ (spring @ y) + swivel @ (self.posture.mean[step] - state.q[arm])
         # Only what pulls is cut: the brakes must hold what it has set in motion.
-        cut = max(1.0, np.sqrt(pull * pull @ self._weakest))
-        stiffness[arm, arm] /= cut
+        share = share_within(pull, damping[arm, arm] @ state.dq[arm], self._weakest)
+        stiffness[arm, arm] *= share
         reference = self._rest.copy()
         # It stays for the period: over soft springs, one that moves would hold too much energy.
-        reference[arm] = state.q[arm] + np.linalg.solve(stiffness[arm, arm], pull / cut)
+        reference[arm] = state.q[arm] + np.linalg.solve(stiffness[arm, arm], share * pull)
         return Impedance(stiffness, damping, reference)
 
     def _look(self, state: State, time: float) -> None:

@@ -33,3 +33,16 @@ def inertia_and_cost(
         masses.append(M)
         costs.append(inertia @ J @ J.T @ inertia)
     return np.array(masses), np.array(costs)
+
+
+def share_within(pull: np.ndarray, brake: np.ndarray, weights: np.ndarray) -> float:
+    """Share, up to 1, of a pull (m,) [Nm] that motors give, beside a brake (m,) [Nm] that stays.
+
+    The largest s with ``|s pull - brake|^2 <= 1`` in the metric of weights (m,) [1/(Nm)^2]: what
+    the brakes take, of a movement as it is asked for, is no burden. Never less than at rest.
+    """
+    a, b, c = (pull * pull) @ weights, (pull * brake) @ weights, (brake * brake) @ weights
+    if a <= 1:
+        return 1.0
+    root = np.sqrt(max(b * b + a * max(1.0 - c, 0.0), 0.0))
+    return float(min(1.0, max((b + root) / a, a**-0.5)))

@@ -11,6 +11,7 @@ from tpsim.border import Count, Positive, border
 from tpsim.control.impedance import impedance
 from tpsim.control.system import integrator
 from tpsim.control.unrolled import Unrolled, tracked
+from tpsim.controllers import torque_cost
 from tpsim.controllers.progress import AheadOfState
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.controllers.seen_poses import (
@@ -20,7 +21,6 @@ from tpsim.controllers.seen_poses import (
     placed_poses,
     precision_at,
 )
-from tpsim.controllers.torque_cost import felt_inertia, inertia_and_cost
 from tpsim.controllers.way_round import apart, chosen, ways_round
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
@@ -42,7 +42,7 @@ TAIL = 0.6
 """Time [s] for which a plan goes on beyond the movement's end, which then lasts."""
 
 STRENGTH = 0.3
-"""Share of the motors' torque that springs do not exceed, as after a jump of an object."""
+"""Share of the motors' torque that springs do not exceed beyond brakes, as after a jump."""
 
 PERIOD = 0.008
 """Time for which an impedance lasts by default [s]."""
@@ -129,7 +129,7 @@ class FiniteHorizon(RenewedImpedance):
         super().__init__(period)
         self.objects, self.movements, self.posture = tuple(objects), tuple(movements), posture
         self.joints, self.site, self.dt, self.effort = tuple(joints), site, dt, effort
-        self.shown, self._robot = shown, robot
+        self.shown, self.chain = shown, chain
         if not joints or not movements:
             raise ArgumentError("joints and movements: give at least one of each")
         kinds = {(str(one.manifold), one.mean.shape[:-1]) for one in movements}
@@ -156,14 +156,15 @@ class FiniteHorizon(RenewedImpedance):
                 f"stays of the chain add up to {ticks} steps and the movement has {steps}; give "
                 "SemiMarkovChain.along(its states), or of every second, third, ... of them"
             )
-        self.chain = chain
         every = dt * self._ticks.step
         self._progress = None if chain is None else AheadOfState(chain, every, 1 / dt)
         self._system = integrator(6, dt, exact=True)
         self._steps, self._tail = steps, round(TAIL / dt)
         # The costs of torque change slowly: one posture stands for some of its neighbours.
         some = posture[:: max(1, self._steps // POSTURES)]
-        mass, cost = inertia_and_cost(robot, self._arm, site, some.mean)
+        self._hand = robot, self._arm, site
+        self._least = torque_cost.least_mobility(*self._hand, some.mean)
+        mass, cost = torque_cost.inertia_and_cost(*self._hand, some.mean, self._least)
         swivels = impedance(some.precision, effort * mass @ mass)
         self._swivels, self._swivel_brakes = map(self._spread, swivels)
         self._costs = effort * self._spread(cost)
@@ -176,8 +177,7 @@ class FiniteHorizon(RenewedImpedance):
     def _spread(self, some: np.ndarray) -> np.ndarray:
         """What is known of some steps (S, ...), of all of them (T, ...)."""
         near = np.linspace(0, len(some) - 1, self._steps).round().astype(int)
-        found: np.ndarray = some[near]
-        return found
+        return np.asarray(some[near])
 
     def renew(self, state: State, time: float) -> Impedance:
         """Impedance of this moment in joint space: from the hand's force to torques.
@@ -197,7 +197,7 @@ class FiniteHorizon(RenewedImpedance):
         self._near = step - self._first
         seen = self._on_plane(state)
         J, M = seen.jacobian[:, arm], state.mass
-        lever = J.T @ felt_inertia(M[arm, arm], J)
+        lever = J.T @ torque_cost.felt_inertia(M[arm, arm], J, self._least)
         null = M[arm, arm] - lever @ J
         swivel = null @ self._swivels[step]
         # The other joints hold still, critically damped.
@@ -207,12 +207,12 @@ class FiniteHorizon(RenewedImpedance):
         damping[arm, arm] += lever @ self._brakes[self._near] @ J
         y = np.append(seen.value, 1.0)
         pull = lever @ (spring @ y) + swivel @ (self.posture.mean[step] - state.q[arm])
-        # Only what pulls is cut: the brakes must hold what it has set in motion.
-        cut = max(1.0, np.sqrt(pull * pull @ self._weakest))
-        stiffness[arm, arm] /= cut
+        # Brakes are not cut: they must hold what has been set in motion.
+        share = torque_cost.share_within(pull, damping[arm, arm] @ state.dq[arm], self._weakest)
+        stiffness[arm, arm] *= share
         reference = self._rest.copy()
         # It stays for the period: over soft springs, one that moves would hold too much energy.
-        reference[arm] = state.q[arm] + np.linalg.solve(stiffness[arm, arm], pull / cut)
+        reference[arm] = state.q[arm] + np.linalg.solve(stiffness[arm, arm], share * pull)
         return Impedance(stiffness, damping, reference)
 
     def _look(self, state: State, time: float) -> None:
@@ -273,10 +273,10 @@ class FiniteHorizon(RenewedImpedance):
         if self._alone:
             way = ways[0]
         elif self._begun is None:
-            arm = self._robot, self._arm, self.site
-            way, postures = chosen(ways, *arm, state.q, self.posture.mean)
+            way, postures = chosen(ways, *self._hand, state.q, self.posture.mean)
             # There the arm is another one than where it was taught, and torque costs otherwise.
-            self._costs = self.effort * self._spread(inertia_and_cost(*arm, postures)[1])
+            cost = torque_cost.inertia_and_cost(*self._hand, postures, self._least)[1]
+            self._costs = self.effort * self._spread(cost)
         else:
             way = min(ways, key=partial(apart, self._begun))
         self._begun = way

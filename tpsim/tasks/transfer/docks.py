@@ -63,7 +63,8 @@ SECONDS = (4.5, 5.5)
 """The way between the docks lasts a time drawn from this range [s], where joints are fast."""
 
 REST = 0.5
-"""Time [s] that the teacher's hand rests in each dock."""
+"""Time [s] that the teacher's hand rests in each dock, where joints are fast: heavy arms need more
+to come to rest in a hand, as they need more for the way."""
 
 PACE = {"firm": 1.0, "human": 2.0}
 """How many times longer than in the task all takes while a person shows: people take their time,
@@ -97,7 +98,7 @@ class Layout:
         Of both about the axis to the left, through their middle [rad]: the hand points down at
         zero, and ahead at a right angle.
     pace : float
-        How many times as long as ``SECONDS`` the way lasts, since joints are slow.
+        How many times as long as ``SECONDS`` the way lasts, and ``REST``, since joints are slow.
     """
 
     shift: Point = (0.0, 0.0, 0.0)
@@ -115,7 +116,7 @@ class Layout:
     @property
     def movement(self) -> float:
         """Time of the movement [s], as it is taught on average; its end then lasts."""
-        return self.pace * sum(SECONDS) / 2 + 2 * REST
+        return self.pace * (sum(SECONDS) / 2 + 2 * REST)
 
     def middle(self, robot: Robot) -> np.ndarray:
         """Point (3,) between the docks [m]."""
@@ -236,10 +237,12 @@ def guide(
     seconds: float,
     rng: np.random.Generator,
     teacher: TeacherName = "firm",
+    rest: float = REST,
 ) -> Guide:
     """A teacher's hand on the gripper that carries it from one dock into the other.
 
-    ``seconds`` is the time of the way between them; the hand rests before and after it.
+    ``seconds`` is the time of the way between them; the hand rests for ``rest`` [s] before and
+    after it.
     """
     rotations, positions = via_poses(docks, size_of(world.robot))
     skill = [SKILL["inside"], SKILL["outside"], SKILL["outside"], SKILL["inside"]]
@@ -249,9 +252,9 @@ def guide(
     who, h = DEMONSTRATORS[teacher], world.timestep
     (sight,) = who.sights(rng)
     way = script(rotations, positions, seconds, h, rng, who.variation, _care(round(seconds / h), 0))
-    rest = round(PACE[teacher] * REST / h)
-    care = _care(round(seconds / h), rest)
-    return Guide("left_guide", GRIPPER, who.grip, _with_rest(way, rest), sight=sight, care=care)
+    still = round(rest / h)
+    care = _care(round(seconds / h), still)
+    return Guide("left_guide", GRIPPER, who.grip, _with_rest(way, still), sight=sight, care=care)
 
 
 def _care(steps: int, rest: int) -> Care:

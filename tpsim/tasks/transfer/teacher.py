@@ -30,12 +30,12 @@ def lesson_between(
     pace: float = 1.0,
 ) -> Lesson:
     """How a person carries between given docks, ``pace`` times as slowly as is usual."""
-    slowly = docks.PACE[teacher]
-    seconds = slowly * pace * rng.uniform(*docks.SECONDS)
-    guide = docks.guide(world, placed, seconds, rng, teacher)
+    slowly = docks.PACE[teacher] * pace
+    seconds, rest = slowly * rng.uniform(*docks.SECONDS), slowly * docks.REST
+    guide = docks.guide(world, placed, seconds, rng, teacher, rest)
     carries = arm(world.robot, docks.GRIPPER)
     held = tuple(joint for joint in world.robot.joints if joint not in carries)
-    return Lesson(start, (guide,), seconds + 2 * slowly * docks.REST, held, docks.at_rest(placed))
+    return Lesson(start, (guide,), seconds + 2 * rest, held, docks.at_rest(placed))
 
 
 def arm(robot: Robot, site: str) -> tuple[str, ...]:

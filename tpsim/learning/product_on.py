@@ -8,6 +8,7 @@ from tpsim.checks import entries, instance, number
 from tpsim.errors import ArgumentError
 from tpsim.frame import Frame
 from tpsim.gaussian import Gaussian
+from tpsim.learning.product import Stack
 from tpsim.manifold.gaussian import RiemannianGaussian
 from tpsim.manifold.manifold import Manifold
 from tpsim.manifold.product import fused
@@ -18,10 +19,15 @@ def product_on(
     frames: Sequence[Frame | None],
     ridge: float | None,
     prior: Gaussian | None,
+    stack: Stack | None = None,
 ) -> RiemannianGaussian:
-    """Gaussians (..., K) on the manifold of common coordinates, for frames (P) as they are now."""
-    members = _observed(local, frames)
-    manifold, means, precisions = _placed(members)
+    """Gaussians (..., K) on the manifold of common coordinates, for frames (P) as they are now.
+
+    ``stack`` says means and precisions of the frames asked for, where these are remembered.
+    """
+    group, members, manifold = _observed(local, frames)
+    own = stack(group) if stack is not None else _stacked(local, group)
+    means, precisions = _placed(manifold, *own, members)
     if ridge is not None:
         covariances = np.linalg.inv(precisions) + number("ridge", ridge, above=0) * np.eye(
             manifold.dim
@@ -30,10 +36,10 @@ def product_on(
     if prior is not None:
         if getattr(prior, "manifold", None) != manifold:
             raise ArgumentError(f"prior is not on the manifold of the frames, {manifold}")
-        own = np.broadcast_to(prior.mean, means.shape[1:])[None]
-        means = np.concatenate([means, own])
-        own = np.broadcast_to(prior.precision, precisions.shape[1:])[None]
-        precisions = np.concatenate([precisions, own])
+        more = np.broadcast_to(prior.mean, means.shape[1:])[None]
+        means = np.concatenate([means, more])
+        more = np.broadcast_to(prior.precision, precisions.shape[1:])[None]
+        precisions = np.concatenate([precisions, more])
     return RiemannianGaussian.trusted_on(manifold, *fused(manifold, means, precisions))
 
 
@@ -41,65 +47,70 @@ def placed(
     local: Sequence[RiemannianGaussian], frames: Sequence[Frame]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Means (P, ..., K, width) and precisions (P, ..., K, dim, dim) in common coordinates."""
-    _, means, precisions = _placed(_observed(local, frames))
-    return means, precisions
+    group, members, manifold = _observed(local, frames)
+    return _placed(manifold, *_stacked(local, group), members)
 
 
 def _observed(
     local: Sequence[Gaussian], frames: Sequence[Frame | None]
-) -> list[tuple[RiemannianGaussian, Frame]]:
-    """Gaussians of the frames that are observed, on one manifold."""
+) -> tuple[tuple[int, ...], list[Frame], Manifold]:
+    """Frames that are observed, by number and themselves, and the one manifold they lead to."""
     given = [frames] if isinstance(frames, Frame) else entries("frames", frames, tables=False)
     if len(given) != len(local):
         raise ArgumentError(
             f"{len(given)} frames were given; the model has {len(local)} (None where one is not "
             "observed)"
         )
-    found = [
-        (gaussian, instance(f"frame {j}", frame, Frame, "give Frame(A, b)"))
-        for j, (frame, gaussian) in enumerate(zip(given, local, strict=True))
-        if frame is not None
-    ]
-    kinds = {getattr(g, "manifold", None) for g, _ in found}
-    if len(kinds) != 1 or None in kinds:
-        names = dict.fromkeys(str(getattr(g, "manifold", f"R({g.dim})")) for g, _ in found)
+    group, members = [], []
+    for j, frame in enumerate(given):
+        if frame is not None:
+            group.append(j)
+            members.append(instance(f"frame {j}", frame, Frame, "give Frame(A, b)"))
+    kinds = [getattr(local[j], "manifold", None) for j in group]
+    manifold = kinds[0] if kinds else None
+    if manifold is None or any(one is not manifold and one != manifold for one in kinds):
+        names = dict.fromkeys(
+            str(kind or f"R({local[j].dim})") for j, kind in zip(group, kinds, strict=True)
+        )
         raise ArgumentError(
             f"the frames lead to {', '.join(names) or 'nothing'}; at least one frame must be "
             "given, and all must lead to one manifold"
         )
-    return [
-        (gaussian, frame) for gaussian, frame in found if isinstance(gaussian, RiemannianGaussian)
-    ]
+    return tuple(group), members, manifold
 
 
 def _placed(
-    members: Sequence[tuple[RiemannianGaussian, Frame]],
-) -> tuple[Manifold, np.ndarray, np.ndarray]:
-    """Means (P, ..., K, width) and precisions (P, ..., K, dim, dim) in common coordinates."""
-    manifold = members[0][0].manifold
+    manifold: Manifold, means: np.ndarray, precisions: np.ndarray, frames: Sequence[Frame]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Means (P, ..., K, width) and precisions (P, ..., K, dim, dim) in common coordinates.
+
+    Of those (P, K, ...) that frames (P) with leading axes (...) see.
+    """
     # All frames at once: for matrices so small, every call costs more than what it computes.
     try:
-        A, b = _stacked([frame.A for _, frame in members]), _stacked([f.b for _, f in members])
+        A, b = _alike([frame.A for frame in frames]), _alike([frame.b for frame in frames])
     except ValueError as error:
         raise ArgumentError(f"the frames have different shapes or steps ({error})") from error
     A, b = A[..., None, :, :], b[..., None, :]
-    local, precision = (
-        _with_room([getattr(g, name) for g, _ in members], b.ndim - extra)
-        for name, extra in (("mean", 0), ("precision", -1))
-    )
-    mean, turn, rigid = manifold.moved(Frame.trusted(A, b), local)
+    means, precisions = _with_room(means, b.ndim), _with_room(precisions, b.ndim + 1)
+    mean, turn, rigid = manifold.moved(Frame.trusted(A, b), means)
     back = turn.mT if rigid else np.linalg.inv(turn)
-    return manifold, mean, back.mT @ precision @ back
+    return mean, back.mT @ precisions @ back
 
 
-def _with_room(arrays: list[np.ndarray], ndim: int) -> np.ndarray:
+def _stacked(local: Sequence[Gaussian], group: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Means and precisions of some Gaussians, (P, ...)."""
+    members = [local[j] for j in group]
+    return np.array([g.mean for g in members]), np.array([g.precision for g in members])
+
+
+def _with_room(stack: np.ndarray, ndim: int) -> np.ndarray:
     """Arrays of the members, with leading axes of the frames between those and their own."""
-    stack = np.array(arrays)
     room = (1,) * (ndim - stack.ndim)
-    return stack.reshape(len(stack), *room, *stack.shape[1:])
+    return stack.reshape(len(stack), *room, *stack.shape[1:]) if room else stack
 
 
-def _stacked(arrays: list[np.ndarray]) -> np.ndarray:
+def _alike(arrays: list[np.ndarray]) -> np.ndarray:
     if any(array.shape != arrays[0].shape for array in arrays):
         return np.array(np.broadcast_arrays(*arrays))
     return np.array(arrays)

@@ -157,7 +157,9 @@ class TPGMM(Stored):
         if self._on_manifolds:
             if uncertainty is not None:
                 raise ArgumentError("uncertainty is of frames in R^n; the model is on manifolds")
-            return GMM.trusted(self.priors, product_on(self.frames, frames, ridge, prior))
+            return GMM.trusted(
+                self.priors, product_on(self.frames, frames, ridge, prior, self._stack)
+            )
         frames = checked_frames(frames, self.dims, prior)
         unsure = checked_uncertainty(uncertainty, frames, self.components)
         if ridge is not None:

@@ -128,6 +128,9 @@ class Charts:
         for space, columns, rows in self.blocks:
             if space.curved:
                 one = space.linearised(x[..., columns], y[..., columns])
+                if rows.stop == self.dim:
+                    found[..., rows, rows.start :] = one
+                    continue
                 found[..., rows, rows], found[..., rows, -1] = one[..., :-1], one[..., -1]
             else:
                 found[..., rows, -1] = space.log(x[..., columns], y[..., columns])

@@ -8,9 +8,11 @@ import numpy as np
 from tpsim.checks import choice
 from tpsim.errors import ArgumentError
 from tpsim.manifold.quaternion import (
+    half_times,
     left_multiplication,
     of_matrices,
     over,
+    quotient,
     right_multiplication,
     times,
 )
@@ -53,7 +55,7 @@ class Rotations(Space):
 
     def log(self, x, y):
         """Rotation vector of y x^-1."""
-        turn = np.matmul(over(x), y[..., None])[..., 0]
+        turn = quotient(y, x)
         w = turn[..., :1]
         # Angle and sine from the same cosine: their ratio is exact though each may not be.
         cosine = np.minimum(np.abs(w), 1 - 1e-16)
@@ -86,9 +88,7 @@ class Rotations(Space):
 
     def stepped(self, x, v):
         """The direction of (1, v / 2) x, of which no angles are needed."""
-        turn = np.ones((*v.shape[:-1], 4))
-        np.multiply(v, 0.5, out=turn[..., 1:])
-        y = times(turn, x)
+        y = x + half_times(v, x)
         return y / np.sqrt(np.vecdot(y, y))[..., None]
 
     def transport(self, x, y):
@@ -97,25 +97,18 @@ class Rotations(Space):
 
     def linearised(self, x, y):
         """Of :meth:`slope`, v is an eigenvector; both are linear in few numbers."""
-        turn = np.matmul(over(x), y[..., None])[..., 0]
-        w, u = _coordinates(turn)
-        cosine = np.minimum(np.abs(w), 1 - 1e-16)
-        square = 1 - cosine * cosine
-        factor = np.arccos(cosine) / np.sqrt(square)
+        turn = quotient(y, x)
+        cosine, square, factor, u = _half_angles(turn)
         along = factor * cosine
-        return _stretched(along, np.copysign(factor, w) * u, (1 - along) / square, u, turn.shape)
+        return _stretched(along, factor * u, (1 - along) / square, u, turn.shape)
 
     def carrying(self, x, y):
         """Left Jacobian of the rotation vector from y to x."""
-        turn = np.matmul(over(x), y[..., None])[..., 0]
-        w, u = _coordinates(turn)
-        cosine = np.minimum(np.abs(w), 1 - 1e-16)
-        square = 1 - cosine * cosine
-        factor = np.arccos(cosine) / np.sqrt(square)
-        along, sign = cosine / factor, np.copysign(1.0, w)
-        about = -sign / factor * u
-        found = _stretched(along, about, (1 - along) / square, u, turn.shape)
-        v = (2 * sign * factor * u).T
+        turn = quotient(y, x)
+        cosine, square, factor, u = _half_angles(turn)
+        along = cosine / factor
+        found = _stretched(along, u / -factor, (1 - along) / square, u, turn.shape)
+        v = (2 * factor * u).T
         return v.reshape(*turn.shape[:-1], 3), found[..., :3]
 
     def departing(self, x, v):
@@ -186,10 +179,16 @@ class Rotations(Space):
         return principal(y, weights)
 
 
-def _coordinates(turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Cosine (n,) and vector (3, n) of quaternions: what is alike together in memory."""
-    columns = np.ascontiguousarray(turn.reshape(-1, 4).T)
-    return columns[0], columns[1:]
+def _half_angles(turn: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Of quaternions: cosine, squared sine, angle over sine (n,) of half angles; vectors (3, n).
+
+    Of either sign the one of less than half a turn; what is alike lies together in memory.
+    """
+    columns = turn.reshape(-1, 4).T.copy()
+    columns *= np.copysign(1.0, columns[0])
+    cosine = np.minimum(columns[0], 1 - 1e-16)
+    square = 1 - cosine * cosine
+    return cosine, square, np.arccos(cosine) / np.sqrt(square), columns[1:]
 
 
 def _stretched(along, about, across, u, shape) -> np.ndarray:

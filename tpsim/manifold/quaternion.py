@@ -18,22 +18,35 @@ def of_matrices(R: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def times(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Product of quaternions (..., 4), w first."""
-    return np.matmul(left_multiplication(p), q[..., None])[..., 0]
+    pairs = p[..., :, None] * q[..., None, :]
+    return np.matmul(pairs.reshape(*pairs.shape[:-2], 16), _TIMES)
 
 
 def left_multiplication(q: np.ndarray) -> np.ndarray:
     """Matrix (..., 4, 4) that multiplies by q from the left."""
-    return np.matmul(q[..., None, :], _LEFT)[..., 0, :].reshape(*q.shape[:-1], 4, 4)
+    return np.matmul(q, _LEFT).reshape(*q.shape, 4)
 
 
 def right_multiplication(q: np.ndarray) -> np.ndarray:
     """Matrix (..., 4, 4) that multiplies by q from the right."""
-    return np.matmul(q[..., None, :], _RIGHT)[..., 0, :].reshape(*q.shape[:-1], 4, 4)
+    return np.matmul(q, _RIGHT).reshape(*q.shape, 4)
 
 
 def over(q: np.ndarray) -> np.ndarray:
     """Matrix (..., 4, 4) that multiplies by the conjugate of q from the right."""
-    return np.matmul(q[..., None, :], _OVER)[..., 0, :].reshape(*q.shape[:-1], 4, 4)
+    return np.matmul(q, _OVER).reshape(*q.shape, 4)
+
+
+def half_times(v: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Product of (0, v / 2) and quaternions (..., 4): how q changes as it turns by v (..., 3)."""
+    pairs = v[..., :, None] * q[..., None, :]
+    return np.matmul(pairs.reshape(*pairs.shape[:-2], 12), _HALF)
+
+
+def quotient(y: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """What leads from unit quaternions x to y, (..., 4): y times the conjugate of x."""
+    pairs = y[..., :, None] * x[..., None, :]
+    return np.matmul(pairs.reshape(*pairs.shape[:-2], 16), _QUOTIENT)
 
 
 def _tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -51,6 +64,9 @@ def _tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 _LEFT, _RIGHT, _OVER = _tables()
+_TIMES = _LEFT.reshape(4, 4, 4).transpose(0, 2, 1).reshape(16, 4)
+_HALF = 0.5 * _TIMES[4:]
+_QUOTIENT = _OVER.reshape(4, 4, 4).transpose(2, 0, 1).reshape(16, 4)
 
 
 def _outer() -> np.ndarray:

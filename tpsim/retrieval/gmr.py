@@ -147,20 +147,8 @@ class Regression(Stored):
         inputs, order = _order(mean.shape[-1], given, of)
         if order is not None:
             mean, covariance = mean[..., order], covariance[..., order[:, None], order]
-        whiten = _whitening(covariance[..., :inputs, :inputs])
-        if whiten is None:
-            raise ArgumentError(
-                f"The covariance of the given dimensions {given} is not positive definite "
-                "in every component. Fit with a larger ridge, or give other dimensions"
-            )
-        explained = covariance[..., inputs:, :inputs] @ whiten.swapaxes(-1, -2)
-        linear = np.concatenate((whiten, explained @ whiten), axis=-2)
-        conditional = covariance[..., inputs:, inputs:] - explained @ explained.swapaxes(-1, -2)
-        if type(ridge) is not float or ridge != 0.0:
-            conditional = add_ridge(conditional, number("ridge", ridge, least=0))
-        diagonal = whiten.diagonal(axis1=-2, axis2=-1)
-        log_scale = np.log(np.maximum(gmm.priors * np.multiply.reduce(diagonal, -1), _TINY))
-        return cls.trusted(mean[..., :inputs], mean[..., inputs:], linear, conditional, log_scale)
+        parts = parts_of(gmm.priors, covariance, inputs, given, ridge)
+        return cls.trusted(mean[..., :inputs], mean[..., inputs:], *parts)
 
     def __call__(self, inputs: ArrayLike) -> Gaussian:
         """Single Gaussian at inputs (..., I), Eqs 17-19: mean (..., O), covariance (..., O, O)."""
@@ -231,6 +219,29 @@ class Regression(Stored):
         if not (abs(inputs) < _BEYOND).all():
             raise ArgumentError("inputs hold values beyond all support; change their unit")
         return inputs
+
+
+def parts_of(
+    priors: NDArray, covariance: NDArray, inputs: int, given: Dimensions, ridge: float
+) -> tuple[NDArray, NDArray, NDArray]:
+    """What of a regression depends on no mean: its ``linear``, ``covariance`` and ``log_scale``.
+
+    Of covariances (..., K, I + O, I + O) with the inputs first, which messages call ``given``.
+    """
+    whiten = _whitening(covariance[..., :inputs, :inputs])
+    if whiten is None:
+        raise ArgumentError(
+            f"The covariance of the given dimensions {given} is not positive definite "
+            "in every component. Fit with a larger ridge, or give other dimensions"
+        )
+    explained = covariance[..., inputs:, :inputs] @ whiten.swapaxes(-1, -2)
+    linear = np.concatenate((whiten, explained @ whiten), axis=-2)
+    conditional = covariance[..., inputs:, inputs:] - explained @ explained.swapaxes(-1, -2)
+    if type(ridge) is not float or ridge != 0.0:
+        conditional = add_ridge(conditional, number("ridge", ridge, least=0))
+    diagonal = whiten.diagonal(axis1=-2, axis2=-1)
+    log_scale = np.log(np.maximum(priors * np.multiply.reduce(diagonal, -1), _TINY))
+    return linear, conditional, log_scale
 
 
 def _whitening(covariance: NDArray) -> NDArray | None:

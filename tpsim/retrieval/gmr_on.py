@@ -9,20 +9,28 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tpsim.border import unchecked
-from tpsim.checks import number
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import Dimensions, Gaussian, add_ridge
+from tpsim.gaussian import Dimensions, Gaussian
 from tpsim.learning.gmm import GMM
 from tpsim.manifold.gaussian import RiemannianGaussian, shifted, split
 from tpsim.manifold.manifold import Factors, Manifold
 from tpsim.manifold.product import mixed
-from tpsim.retrieval.gmr import Regression
+from tpsim.retrieval.gmr import Regression, parts_of
+
+Split = tuple[Factors, Factors, np.ndarray | None]
+"""Inputs, outputs, and the tangent rows of both in this order; None where they already are."""
 
 
 @lru_cache(maxsize=64)
-def _split_before(manifold: Manifold, given: tuple[int, ...]) -> tuple[Factors, Factors]:
+def _split_before(manifold: Manifold, given: tuple[int, ...]) -> Split:
     """Remembered, since regressions are made in control loops."""
-    return split(manifold, given, None)
+    return _split(manifold, given, None)
+
+
+def _split(manifold: Manifold, given: Dimensions, of: Dimensions | None) -> Split:
+    inputs, outputs = split(manifold, given, of)
+    rows = np.concatenate([inputs.rows, outputs.rows])
+    return inputs, outputs, None if np.array_equal(rows, np.arange(manifold.dim)) else rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,33 +66,32 @@ class RiemannianRegression(Regression):
         gaussians = gmm.gaussians
         assert isinstance(gaussians, RiemannianGaussian)
         if of is None and isinstance(given, tuple) and all(type(i) is int for i in given):
-            inputs, outputs = _split_before(gaussians.manifold, given)
+            inputs, outputs, rows = _split_before(gaussians.manifold, given)
         else:
-            inputs, outputs = split(gaussians.manifold, given, of)
-        rows = np.concatenate([inputs.rows, outputs.rows])
+            inputs, outputs, rows = _split(gaussians.manifold, given, of)
         covariance = gaussians.covariance
-        if len(rows) < gaussians.dim or (rows[1:] < rows[:-1]).any():
+        if rows is not None:
             covariance = covariance[..., rows[:, None], rows]
-        tangent = Gaussian.trusted(np.zeros(covariance.shape[:-1]), covariance)
         # In the tangent spaces it is the regression of R^n.
-        plain = Regression.of(GMM.trusted(gmm.priors, tangent), tuple(range(len(inputs.rows))))
-        covariance = plain.covariance
-        if ridge:
-            covariance = add_ridge(covariance, number("ridge", ridge, least=0))
+        size = len(inputs.rows)
+        linear, covariance, log_scale = parts_of(gmm.priors, covariance, size, given, ridge)
         return unchecked(
             cls,
             input_mean=gaussians.mean[..., inputs.columns],
             output_mean=gaussians.mean[..., outputs.columns],
-            linear=plain.linear,
+            linear=linear,
             covariance=covariance,
-            log_scale=plain.log_scale,
+            log_scale=log_scale,
             inputs=inputs.manifold,
             outputs=outputs.manifold,
         )
 
     def __call__(self, inputs: ArrayLike) -> RiemannianGaussian:
         """Single Gaussian at inputs (..., I), Eqs 17-19."""
-        weights, shift = self._components(inputs)
+        return self._single(self._points(inputs))
+
+    def _single(self, points: NDArray) -> RiemannianGaussian:
+        weights, shift = self._explained(points)
         means, carry = self.outputs.work.departing(self.output_mean, shift)
         return RiemannianGaussian.trusted_on(
             self.outputs, *mixed(self.outputs, weights, means, self.covariance, carry)
@@ -92,11 +99,13 @@ class RiemannianRegression(Regression):
 
     def at(self, point: ArrayLike) -> RiemannianGaussian:
         """Single Gaussian at one input (I,)."""
-        if self.input_mean.ndim != 2:
+        point = self.inputs.points("point", point)
+        if self.input_mean.ndim != 2 or point.size != self.inputs.width:
             raise ArgumentError(
-                f"at() takes a mixture without leading axes; got {self.input_mean.shape[:-2]}"
+                f"at() takes one point and a mixture without leading axes; got points "
+                f"{point.shape} and leading axes {self.input_mean.shape[:-2]}"
             )
-        return self(np.reshape(self.inputs.points("point", point), -1))
+        return self._single(point.reshape(-1))
 
     def mixture(self, inputs: ArrayLike) -> tuple[NDArray, RiemannianGaussian]:
         """All modes at inputs (..., I), Eq. 13: weights (..., K) and Gaussian (..., K)."""
@@ -105,8 +114,8 @@ class RiemannianRegression(Regression):
             self.outputs, self.output_mean, Gaussian.trusted(shift, self.covariance)
         )
 
-    def _components(self, inputs: ArrayLike) -> tuple[NDArray, NDArray]:
-        size = self.linear.shape[-1]
+    def _points(self, inputs: ArrayLike) -> NDArray:
+        """Inputs as points (..., width) that fit the mixture."""
         points = np.asarray(inputs, float) if not isinstance(inputs, np.ndarray) else inputs
         if self.inputs.width == 1 and points.ndim <= 1:
             points = points[..., None] if points.shape != (1,) else points
@@ -116,6 +125,14 @@ class RiemannianRegression(Regression):
             raise ArgumentError(
                 f"inputs {points.shape} do not fit a mixture with leading axes {lead}"
             )
+        return points
+
+    def _components(self, inputs: ArrayLike) -> tuple[NDArray, NDArray]:
+        return self._explained(self._points(inputs))
+
+    def _explained(self, points: NDArray) -> tuple[NDArray, NDArray]:
+        """Weights (..., K) at inputs, and tangent vectors to what these explain (..., K, O)."""
+        size = self.linear.shape[-1]
         offset = self.inputs.work.log(self.input_mean, points[..., None, :])
         moved = np.matmul(self.linear, offset[..., None])[..., 0]
         white = moved[..., :size]

@@ -60,3 +60,17 @@ def test_what_is_usual_for_a_heavy_arm_is_not_singular():
     J = state.jacobian("tip")
     felt = torque_cost.felt_inertia(state.mass, J, heavy)
     np.testing.assert_allclose(felt @ torque_cost.mobility(state.mass, J), np.eye(6), atol=1e-6)
+
+
+def test_directions_in_which_an_arm_never_moves_make_no_arm_singular():
+    """Three hinges in a plane: mobility out of it is zero, up to rounding of either sign."""
+    joints = "".join(LINK.format(k=k, axis="0 1 0", i=0.1) for k in range(3))
+    text = (
+        "".join(("<mujoco><worldbody>", joints, '<site name="tip" pos="0 0 .25"/>', "</body>" * 3))
+        + "</worldbody><actuator>"
+    )
+    text += "".join(f'<motor joint="j{k}" ctrlrange="-40 40"/>' for k in range(3))
+    arm = lab.Robot.from_mjcf(text + "</actuator></mujoco>", {"hand": "tip"}, home=HOME[:3])
+    postures = np.array([HOME[:3], HOME[1:4]])
+    least = torque_cost.least_mobility(arm, slice(0, 3), "tip", postures)
+    assert 1e-3 < least <= torque_cost.SINGULAR

@@ -77,6 +77,7 @@ INSIDE = {
          "Intervention.product",
          "Care.at", "HandPath.seen_from", "InverseKinematics.__call__", "Motion", "Spring.matrix",
          "Robot.compute_bias", "Robot.compute_gravity", "Robot.compute_jacobian",
+         "Robot.compute_torque",
          "Robot.compute_mass",
          "Robot.compute_pose", "Robot.friction_torque",
          "Seen", "Simulation", "Simulation.apply_wrench", "Simulation.see", "Simulation.step",

@@ -13,6 +13,9 @@ SINGULAR = 0.05
 HEAVY = 0.8
 """The same of arms so heavy that it is usual for them: as a share of their usual mobility."""
 
+_NEVER = 1e-9
+"""Share of the largest mobility that is none."""
+
 
 def mobility(M: np.ndarray, J: np.ndarray) -> np.ndarray:
     """Acceleration (6, 6) of a hand by a wrench, J M^-1 J^T, for J (6, m) and M (m, m)."""
@@ -28,9 +31,13 @@ def felt_inertia(M: np.ndarray, J: np.ndarray, least: float) -> np.ndarray:
 
 
 def least_mobility(robot: Robot, arm: slice, site: str, postures: np.ndarray) -> float:
-    """Mobility below which an arm is singular, by its usual postures (T, m)."""
-    found = [np.linalg.eigvalsh(mobility(*one))[0] for one in _along(robot, arm, site, postures)]
-    return min(SINGULAR, HEAVY * float(np.median(found)))
+    """Mobility below which an arm is singular, by its usual postures (T, m).
+
+    Directions in which an arm never moves, such as out of a plane, say nothing about that.
+    """
+    found = [np.linalg.eigvalsh(mobility(*one)) for one in _along(robot, arm, site, postures)]
+    usual = np.median(found, axis=0)
+    return min(SINGULAR, HEAVY * float(usual[usual > _NEVER * usual[-1]][0]))
 
 
 def inertia_and_cost(

@@ -1,6 +1,7 @@
 """A world: a scene with a robot in it, compiled once, from which simulations are made."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -58,10 +59,8 @@ class World:
             If the scene does not compile.
         """
         spec = robot.source.spec.copy() if spec is None else spec
-        try:
+        with _compiling():
             spec.compile()
-        except ValueError as error:
-            raise SimulationError(f"the scene does not compile: {error}") from None
         return cls(spec.to_xml(), robot.description, dict(robot.source.assets))
 
     def __getstate__(self) -> dict[str, object]:
@@ -72,17 +71,16 @@ class World:
     @cached_property
     def model(self) -> mujoco.MjModel:
         """The compiled scene; nobody may change it."""
-        try:
+        with _compiling():
             return mujoco.MjModel.from_xml_string(self.xml, dict(self.assets))
-        except ValueError as error:
-            raise SimulationError(f"the scene does not compile: {error}") from None
 
     @cached_property
     def _unseen(self) -> mujoco.MjModel:
         """The same scene without what is only seen: the same bits, a fifth less time."""
-        spec = mujoco.MjSpec.from_string(self.xml, assets=dict(self.assets))
-        spec.compiler.discardvisual = True
-        return spec.compile()
+        with _compiling():
+            spec = mujoco.MjSpec.from_string(self.xml, assets=dict(self.assets))
+            spec.compiler.discardvisual = True
+            return spec.compile()
 
     @cached_property
     def robot(self) -> Robot:
@@ -112,9 +110,11 @@ class World:
             )
         there = replace(self.description, home=tuple(home.tolist()))
         made = replace(self, description=there)
-        # Not a field of the value; compiling again would give the same.
-        made.__dict__["model"] = self.model
-        made.__dict__["_unseen"] = self._unseen
+        # No fields of the value; compiling again would give the same.
+        compiled = ("model", "_unseen")
+        made.__dict__.update(
+            {name: self.__dict__[name] for name in compiled if name in self.__dict__}
+        )
         return made
 
     @property
@@ -144,3 +144,12 @@ class World:
         """
         scene = self.model if visible else self._unseen
         return Simulation(plant.model(scene, self.robot), self.robot)
+
+
+@contextmanager
+def _compiling() -> Iterator[None]:
+    """Say with MuJoCo's reason where a scene does not compile."""
+    try:
+        yield
+    except ValueError as error:
+        raise SimulationError(f"the scene does not compile: {error}") from None

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tpsim import Gaussian, RiemannianGaussian, SemiMarkovChain
-from tpsim.controllers.finite_horizon import FiniteHorizon
-from tpsim.controllers.progress import ByState
+from tpsim.controllers.finite_horizon import HELD, FiniteHorizon
+from tpsim.controllers.progress import PATIENCE, ByState, Patience
 from tpsim.controllers.seen_poses import POSE
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
@@ -85,6 +85,23 @@ def test_held_it_waits_and_let_go_it_goes_on_without_a_jump(performed):
     assert np.argmax(by_clock > 0.9) - 190 < 0.6 * (np.argmax(share > 0.9) - 190)
     rise = [np.abs(np.diff(t["torque"][187:200], axis=0)).sum(0).max() for t in (trial, other)]
     assert rise[0] < 0.75 * rise[1]
+
+
+def test_springs_are_weak_where_a_movement_stands_still_before_its_end():
+    springs = Patience(0.1, 0.3, end=2.0)
+    assert springs.strength(1.0, 0.9, 1.0) == springs.strength(1.5, 1.0, 3.0) == pytest.approx(0.3)
+    kept = np.exp(-0.5 / PATIENCE)
+    assert springs.strength(2.0, 1.0, 0.0) == pytest.approx(0.1 + 0.2 * kept)
+    assert springs.strength(9.0, 1.0, 0.0) == pytest.approx(0.1)
+    assert springs.strength(15.0, 1.95, 0.0) == pytest.approx(0.3)
+
+
+def test_who_holds_the_hand_winds_no_spring_up(performed, dock_world):
+    limit = dock_world.robot.torque_limit
+    _, trial = performed(True, Hold("left_gripper", 0.9, 1.5), seconds=2.8)
+    torque, let_go = trial["torque"], np.searchsorted(trial.time, 2.4 + 1e-9)
+    jump = np.abs(torque[let_go : let_go + 10] - torque[let_go - 1]) / limit
+    assert jump.max() < 1.14 * HELD
 
 
 def test_pushed_on_it_hurries(performed):

@@ -8,7 +8,8 @@ import pytest
 
 from tpsim.control import projection
 from tpsim.controllers.product import Skill
-from tpsim.controllers.timed_intervention import PATIENCE, PULL, TimedIntervention
+from tpsim.controllers.progress import PATIENCE
+from tpsim.controllers.timed_intervention import PULL, TimedIntervention
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import TPGMM

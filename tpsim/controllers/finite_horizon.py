@@ -12,7 +12,7 @@ from tpsim.control.impedance import impedance
 from tpsim.control.system import integrator
 from tpsim.control.unrolled import Unrolled, tracked
 from tpsim.controllers import torque_cost
-from tpsim.controllers.progress import AheadOfState
+from tpsim.controllers.progress import AheadOfState, Patience
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.controllers.seen_poses import (
     POSE,
@@ -41,8 +41,9 @@ MOVED = 1e-5
 TAIL = 0.6
 """Time [s] for which a plan goes on beyond the movement's end, which then lasts."""
 
-STRENGTH = 0.3
-"""Share of the motors' torque that springs do not exceed beyond brakes, as after a jump."""
+STRENGTH, HELD = 0.3, 0.17
+"""Share of the motors' torque that springs do not exceed beyond brakes, as after a jump; and where
+somebody holds the hand: let go, critically damped, it changes by 1 + exp(-2) of that at most."""
 
 PERIOD = 0.008
 """Time for which an impedance lasts by default [s]."""
@@ -97,9 +98,8 @@ class FiniteHorizon(RenewedImpedance):
     period : float
         Time for which an impedance lasts [s].
     chain : SemiMarkovChain, optional
-        Of the movement's states, at every step or every second, third, ... one. Progress is then
-        inferred from the hand: held it stands still, pushed on it hurries. By default the
-        clock says how far the movement has come.
+        Of the movement's states, at every step or every second, ... one. Progress is then inferred
+        from the hand: held it stands still, pushed on it hurries. By default the clock's.
     shown : int, optional
         From how many demonstrations the movements were learned. What an object saw in so few of
         them counts less where the others say something else than was ever shown: its claim is
@@ -168,7 +168,8 @@ class FiniteHorizon(RenewedImpedance):
         swivels = impedance(some.precision, effort * mass @ mass)
         self._swivels, self._swivel_brakes = map(self._spread, swivels)
         self._costs = effort * self._spread(cost)
-        self._weakest = (STRENGTH * robot.torque_limit[self._arm]) ** -2.0
+        self._weights = robot.torque_limit[self._arm] ** -2.0
+        self._patience = Patience(HELD, STRENGTH, end=steps * dt)
         self._rest: np.ndarray | None = None
         self._seen: np.ndarray | None = None
         self._begun: np.ndarray | None = None
@@ -180,10 +181,7 @@ class FiniteHorizon(RenewedImpedance):
         return np.asarray(some[near])
 
     def renew(self, state: State, time: float) -> Impedance:
-        """Impedance of this moment in joint space: from the hand's force to torques.
-
-        Swivelling is left to the nullspace ``M - J^T L J``, in which it moves no hand.
-        """
+        """Impedance in joint space: swivelling is left to ``M - J^T L J``, which moves no hand."""
         arm = self._arm
         if self._rest is None:
             self._rest = state.q
@@ -192,8 +190,8 @@ class FiniteHorizon(RenewedImpedance):
         if self._seen is None:  # nothing that the movement could go by was seen yet
             mass = state.mass
             return Impedance(HOLD * mass, 2 * HOLD**0.5 * mass, self._rest)
-        when = time if self._progress is None else self._progress.at(state, time)[0]
-        step, spring = self._law(when)
+        place, rate = (time, 1.0) if self._progress is None else self._progress.at(state, time)
+        step, spring = self._law(place)
         self._near = step - self._first
         seen = self._on_plane(state)
         J, M = seen.jacobian[:, arm], state.mass
@@ -207,11 +205,12 @@ class FiniteHorizon(RenewedImpedance):
         damping[arm, arm] += lever @ self._brakes[self._near] @ J
         y = np.append(seen.value, 1.0)
         pull = lever @ (spring @ y) + swivel @ (self.posture.mean[step] - state.q[arm])
-        # Brakes are not cut: they must hold what has been set in motion.
-        share = torque_cost.share_within(pull, damping[arm, arm] @ state.dq[arm], self._weakest)
+        # Nobody holds it at half its tempo. Brakes stay: they hold what has been set in motion.
+        weights = self._weights / self._patience.strength(time, place, 2 * rate) ** 2
+        share = torque_cost.share_within(pull, damping[arm, arm] @ state.dq[arm], weights)
         stiffness[arm, arm] *= share
-        reference = self._rest.copy()
         # It stays for the period: over soft springs, one that moves would hold too much energy.
+        reference = self._rest.copy()
         reference[arm] = state.q[arm] + np.linalg.solve(stiffness[arm, arm], share * pull)
         return Impedance(stiffness, damping, reference)
 

@@ -29,6 +29,12 @@ Hands that are held are asked for no more, yet let go they are drawn on."""
 DRAWN = 0.06
 """Time [s] ahead of which a hand is to be drawn, so that noise does not stop it."""
 
+PATIENCE = 0.4
+"""Time [s] within which springs grow weak where a movement stands still, and strong again."""
+
+ENDING = 0.1
+"""Time [s] before its end from which on a movement may stand still of itself."""
+
 
 class Progress(Protocol):
     """Says how far a movement has come; without one, the clock does."""
@@ -140,6 +146,40 @@ class Ahead:
         self._since = time
         self._rate = float(np.interp((self._asked - place) / self._lead, *TEMPO))
         return self._asked, self._rate
+
+
+class Patience:
+    """How strong springs may be: as usual, or weak where the movement stands still.
+
+    Who holds a hand would else let go a spring that is wound up.
+
+    Parameters
+    ----------
+    held, usual : float
+        Share of the motors' torque that springs may ask for where it stands still, and at the
+        movement's own tempo.
+    end : float
+        Time within the movement [s] at which it stands still of itself; springs stay strong.
+    """
+
+    def __init__(self, held: float, usual: float = 1.0, end: float = np.inf):
+        self._held, self._usual, self._end = held, usual, end - ENDING
+        self._asked, self._going = 0.0, 1.0
+
+    def strength(self, time: float, place: float, rate: float) -> float:
+        """Share of the motors' torque that springs may ask for.
+
+        Parameters
+        ----------
+        time : float
+            By the clock [s].
+        place, rate : float
+            Time within the movement [s], and how much of it passes per second.
+        """
+        kept = np.exp((self._asked - time) / PATIENCE)
+        going = 1.0 if place > self._end else min(rate, 1.0)
+        self._asked, self._going = time, kept * self._going + (1 - kept) * going
+        return self._held + (self._usual - self._held) * self._going
 
 
 class AheadOfState(ByState):

@@ -8,7 +8,7 @@ from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 from tpsim.border import Positive, border
 from tpsim.checks import affordable
 from tpsim.controllers.product import Skill
-from tpsim.controllers.progress import Progress
+from tpsim.controllers.progress import Patience, Progress
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.controllers.timed_product import TimedProduct
 from tpsim.errors import SimulationError
@@ -17,9 +17,8 @@ from tpsim.retrieval.tp_gmr import Order
 from tpsim.robot.state import State
 from tpsim.world.impedance import Impedance
 
-PULL, PATIENCE = 0.12, 0.4
-"""Share of the motors' torque that springs ask for where progress stands still, and the time [s]
-within which they grow so weak: who holds a hand would else let go a spring that is wound up."""
+PULL = 0.12
+"""Share of the motors' torque that springs ask for where progress stands still."""
 
 PERIOD = 0.03
 """Time [s] between two adaptations of the mixture to the frames: as often as a camera looks."""
@@ -70,7 +69,7 @@ class TimedIntervention(RenewedImpedance):
         super().__init__(period)
         self.skill, self.effort, self.until = skill, effort, until
         self.prior, self.order, self.progress = prior, order, progress
-        self._asked, self._going = 0.0, 1.0
+        self._patience = Patience(PULL)
         affordable(
             "until over period", int(until / period), skill.model.frames[0].dim ** 2, least=0
         )
@@ -98,14 +97,8 @@ class TimedIntervention(RenewedImpedance):
         if velocity is not None:
             now = replace(now, velocity=velocity)
             pull = np.abs(now.stiffness @ step.mean) / state.robot.torque_limit
-            excess = max(excess, float(pull.max()) / self._strength(time, rate))
+            excess = max(excess, float(pull.max()) / self._patience.strength(time, place, rate))
         return now if excess <= 1 else now.weaker(excess)
-
-    def _strength(self, time: float, rate: float) -> float:
-        """Share of the motors' torque that springs may ask for."""
-        kept = np.exp((self._asked - time) / PATIENCE)
-        self._asked, self._going = time, kept * self._going + (1 - kept) * min(rate, 1.0)
-        return PULL + (1 - PULL) * self._going
 
     def _between(self, state: State, place: float, rate: float) -> tuple[Gaussian, np.ndarray]:
         """Step (n,) that the movement asks for at a place [s], and how fast it goes on [rad/s]."""

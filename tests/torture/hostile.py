@@ -253,6 +253,12 @@ def objects(items: list[object]) -> np.ndarray:
     return found
 
 
+def other_case(text: str) -> str:
+    """In capital letters; of a path the name, so that nothing is written elsewhere."""
+    folder, _, name = text.rpartition("/")
+    return f"{folder}/{name.upper()}" if folder else text.upper()
+
+
 def relatives(good: object) -> Iterable[Hostile]:
     """Values of the same class that are hard to deal with."""
     if isinstance(good, RiemannianGaussian):
@@ -362,7 +368,7 @@ def corruptions(good: object) -> list[Hostile]:
     found += list(relatives(good))
     if isinstance(good, str):
         found += [
-            Hostile("other case", lambda: good.upper()),
+            Hostile("other case", lambda: other_case(good)),
             Hostile("with a null", lambda: good + "\0"),
             Hostile("very long", lambda: good * 10**5),
             Hostile("of other letters", lambda: "żółć\n☃"),

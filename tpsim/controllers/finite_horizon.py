@@ -8,6 +8,7 @@ import pinocchio as pin
 
 from tpsim import rotation
 from tpsim.border import Count, Positive, border
+from tpsim.checks import felt
 from tpsim.control.impedance import impedance
 from tpsim.control.system import integrator
 from tpsim.control.unrolled import Unrolled, tracked
@@ -98,8 +99,8 @@ class FiniteHorizon(RenewedImpedance):
     period : float
         Time for which an impedance lasts [s].
     chain : SemiMarkovChain, optional
-        Of the movement's states, at every step or every second, ... one. Progress is then inferred
-        from the hand: held it stands still, pushed on it hurries. By default the clock's.
+        Of the movement's states, at every step or every second, ... one. Progress is then the
+        hand's, not the clock's: held it stands still, pushed on it hurries.
     shown : int, optional
         From how many demonstrations the movements were learned. What an object saw in so few of
         them counts less where the others say something else than was ever shown: its claim is
@@ -165,7 +166,7 @@ class FiniteHorizon(RenewedImpedance):
         self._hand = robot, self._arm, site
         self._least = torque_cost.least_mobility(*self._hand, some.mean)
         mass, cost = torque_cost.inertia_and_cost(*self._hand, some.mean, self._least)
-        swivels = impedance(some.precision, effort * mass @ mass)
+        swivels = impedance(felt("precision of posture", some.precision), effort * mass @ mass)
         self._swivels, self._swivel_brakes = map(self._spread, swivels)
         self._costs = effort * self._spread(cost)
         self._weights = robot.torque_limit[self._arm] ** -2.0

@@ -88,8 +88,8 @@ def deviation_interval(samples: float, confidence: float = 0.95) -> tuple[float,
     confidence : float
         Between 0 and 1.
     """
-    number("samples", samples, above=1)
-    number("confidence", confidence, above=0, below=1)
+    samples = number("samples", samples, above=1)
+    confidence = number("confidence", confidence, above=0, below=1)
     freedom = samples - 1
     tails = (1 - confidence) / 2
     low, high = chdtri(freedom, [tails, 1 - tails])
@@ -117,7 +117,7 @@ def demonstrations_wanted(
     confidence : float
         Between 0 and 1.
     """
-    number("within", within, above=1)
+    within = number("within", within, above=1)
     count = len(_sequences(demonstrations))
     each = effective_samples(demonstrations, "covariance") / count
 

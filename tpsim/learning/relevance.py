@@ -173,7 +173,7 @@ def frame_report(
     demonstrations = several("demonstrations", demonstrations, Demonstration)
     if not demonstrations:
         raise ArgumentError("no demonstrations were given; give at least one demonstration")
-    number("significance", significance, above=0, below=1)
+    significance = number("significance", significance, above=0, below=1)
     draws, random = whole("draws", draws, least=1, most=MOST_DRAWS), generator("rng", rng, 0)
     shares = np.concatenate([frame_relevance(model, one, dims) for one in demonstrations])
     progress = np.concatenate([phase(one.time) for one in demonstrations])

@@ -190,21 +190,21 @@ def _files(book: Book) -> None:
         add(
             f"data.{write}",
             _in_new_folder(getattr(data, write)),
-            words=("demonstration", "trial", "write", "new folder", "d1", "fps"),
+            words=("demonstration", "trial", "write", "exists", "new folder", "d1", "fps"),
             path=Made(lambda e=ending: _new(e)),
             items=[ONE] if write != "write_robomimic" else DEMONSTRATIONS,
         )
     add(
         "data.write_csv",
         _in_new_folder(data.write_csv),
-        words=("demonstration", "trial", "write", "d1", "fps"),
+        words=("demonstration", "trial", "write", "exists", "d1", "fps"),
         path=Made(lambda: _new("csv")),
         items=[TRIAL],
     )
     add(
         "data.write",
         _in_new_folder(data.write),
-        words=("demonstration", "trial", "ends with", "write", "d1", "fps"),
+        words=("demonstration", "trial", "ends with", "write", "exists", "d1", "fps"),
         path=Made(lambda: _new("npz")),
         items=[ONE],
     )

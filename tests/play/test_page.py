@@ -77,7 +77,8 @@ def test_one_demonstration_is_too_few_to_learn_from(page, said, wait_for):
     click(page, page._learning._learn)
     assert "'bring' was shown 1 times; show it 2 times at least" in said[-1]
     assert page.session.models is before
-    assert not page._learning._button.disabled
+    assert page._learning._button.disabled
+    assert page._learning._missing.content == "Before it can learn, show it **bring** once more."
     passes(page, wait_for)
 
 

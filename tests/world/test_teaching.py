@@ -12,7 +12,7 @@ from tpsim.world.course import Course
 from tpsim.world.people.guide import Grip
 from tpsim.world.people.script import Variation, minimum_jerk, script, straight
 from tpsim.world.reach import reach
-from tpsim.world.teaching import Attempt, Lesson, Refusal, demonstrate, teach
+from tpsim.world.teaching import Attempt, Lesson, Refusal, at_limits, demonstrate, teach
 from tpsim.world.trial import Trial
 
 SITES = {"left_hand": "left_gripper", "cup": "cup"}
@@ -169,3 +169,13 @@ def test_attempts_that_are_wanted_at_once_are_those_that_one_after_the_other_com
                 course.add(Attempt(TRIAL, refusal))
             done += len(wanted)
         assert done == course.shown.attempts == np.flatnonzero(good)[count - 1] + 1
+
+
+def test_joints_at_their_limits_are_named(world):
+    robot = world.robot
+    q = (robot.lower + robot.upper) / 2
+    assert at_limits(robot, q) == ()
+    near, far = q.copy(), q.copy()
+    near[1], far[0] = robot.upper[1] - 0.04, robot.lower[0] + 0.06
+    assert at_limits(robot, np.array([q, near, far])) == (robot.joints[1],)
+    assert at_limits(robot, np.array([q, near, far]), 0.1) == robot.joints[:2]

@@ -15,6 +15,9 @@ from tpsim.robot.state import State
 from tpsim.robot.views.joints import Joints
 from tpsim.world.impedance import Impedance
 
+LOST = 1e-13
+"""Share of the largest precision below which rounding leaves nothing of it."""
+
 NOTHING = 1e-12
 """Precision [1/(kg m^2)] that is none."""
 
@@ -127,7 +130,7 @@ def optimum(product: Information, state: State, effort: float) -> Impedance:
 def check_determined(product: Information, state: State) -> None:
     """Raise ArgumentError where no frame determines how some joint moves."""
     values, V = np.linalg.eigh(product.jacobian.T @ product.precision @ product.jacobian)
-    if values[0] > 1e-9 * values[-1]:
+    if values[0] > LOST * values[-1]:
         return
     weakest = int(np.argmax(np.abs(V[:, 0])))
     raise ArgumentError(

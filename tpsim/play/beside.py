@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from tpsim.errors import TpsimError
 from tpsim.play.objects import LedObjects
 from tpsim.world.people.drag import BoundDrag
 from tpsim.world.rollout import Rollout
@@ -60,3 +61,11 @@ def forget_hands(going: Rollout) -> None:
     if len(holding) < len(people):
         people[:] = holding
         going.episode.simulation.clear_wrenches()
+
+
+def stopped(going: Rollout) -> str | None:
+    """Let one time step pass; why none did, in words, where the robot or its controller ended."""
+    try:
+        return None if going.step() else "the robot became faster than any robot"
+    except TpsimError as error:
+        return str(error)

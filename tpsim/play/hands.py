@@ -2,21 +2,18 @@
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
+from tpsim.task.task import Others
 from tpsim.world.people.drag import PULL, BoundDrag, Drag, Quaternion
 from tpsim.world.people.guide import Grip
 from tpsim.world.rollout import Rollout
 
 LEAD = Grip(600.0, 60.0, 20.0, 1.2, 40.0, 5.0)
 """A person's hand that leads a hand of the robot, and keeps it turned as it wants."""
-
-Others = Literal["held", "following", "free"]
-"""What becomes of the other hands while one is led."""
 
 
 @dataclass(frozen=True)

@@ -125,6 +125,12 @@ class Lessons:
         by_hand = [recorded.trial for recorded in self.shown[behaviour]]
         return by_hand or list(self._given.get(behaviour, ()))
 
+    @property
+    def missing(self) -> dict[str, int]:
+        """How many more demonstrations are needed, of every behaviour that lacks some."""
+        lacking = {name: FEWEST - len(self.of(name)) for name in self.shown}
+        return {name: count for name, count in lacking.items() if count > 0}
+
     def learn(self, task: Task, without: Mapping[str, Sequence[str]] | None = None) -> Learned:
         """Learn all behaviours.
 

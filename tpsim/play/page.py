@@ -20,9 +20,13 @@ from tpsim.play.session import LONGEST, Session
 from tpsim.play.shelf import Shelf
 from tpsim.play.stage import Picture, Stage
 from tpsim.task.acceptance import worded
+from tpsim.world.teaching import at_limits
 
 FRAMES = 33.0
 """Pictures per second."""
+
+NEAR = 0.15
+"""Distance to a joint limit [rad] at which who leads the arm is warned."""
 
 EVERY = 3
 """Pictures between two looks at stiffness and curves."""
@@ -174,7 +178,9 @@ class Page:
         """How far what is shown is from what the behaviour asks for, now."""
         session = self.session
         goals, state = session.task.behaviours()[session.behaviour].goals, session.going.state
-        return "".join(
+        near = at_limits(state.robot, state.q, NEAR)
+        warning = f"  \n**{near[0]} is near its limit:** lead elsewhere" if near else ""
+        return warning + "".join(
             "  \n" + worded(state.robot, name, goal, float(np.linalg.norm(goal.view(state).value)))
             for name, goal in goals.items()
             if goal.since <= 0.0 and goal.until == np.inf
@@ -192,7 +198,10 @@ class Page:
                 "Recording starts when you do."
             )
         elif session.mode == "teach":
-            what = "**Weightless.** Drag the hands; drag objects to where you want them."
+            what = (
+                "**Weightless.** Drag the hands; drag objects to where you want them. "
+                "Left and right are the robot's."
+            )
         else:
             what = f"**{session.controller.capitalize()}** controller. Drag any part to push it."
         factor = self.clock.pace.factor * session.speed

@@ -4,7 +4,7 @@ Commands take effect between two time steps. Whoever drives the clock and whoeve
 hold ``lock`` meanwhile; nothing here knows of browsers.
 """
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
 from threading import RLock
 from typing import Literal
@@ -13,13 +13,13 @@ import numpy as np
 
 from tpsim.controllers.renewed import FixedImpedance
 from tpsim.errors import ArgumentError
-from tpsim.play.beside import SameForce, SameObjects, forget_hands
-from tpsim.play.hands import Hands, Others, Pull, body_name
+from tpsim.play.beside import SameForce, SameObjects, forget_hands, stopped
+from tpsim.play.hands import Hands, Pull, body_name
 from tpsim.play.objects import LedObjects
 from tpsim.play.recording import Recorded
 from tpsim.study.condition import Condition
 from tpsim.study.study import Study
-from tpsim.task.task import Models, Task, draw_situation
+from tpsim.task.task import Models, Others, Task, draw_situation
 from tpsim.world.impedance import Controller
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.people.drag import Quaternion
@@ -104,19 +104,15 @@ class Session:
         """Time [s] since this roll-out began."""
         return self.going.steps * self.world.timestep
 
-    # Time
-
     def advance(self, steps: int) -> int:
         """Let time pass; how many steps did, fewer where the robot diverged or all was recorded."""
         longest = round(LONGEST / self.world.timestep)
         for done in range(steps):
-            if not self.going.step():
-                self.message = "The robot became faster than any robot: it starts anew."
-                self.going.recorded = False
-                self.reset()
+            if (why := stopped(self.going)) is not None:
+                self._stop_there(why)
                 return done
-            if self.beside is not None and not self.beside.step():
-                self.beside = None
+            if self.beside is not None and (why := stopped(self.beside)) is not None:
+                self.beside, self.message = None, f"'{self.compared}' ended: {why}"
             if self.recording and self.going.steps >= longest:
                 self.message = f"The recording ended after {LONGEST:g} s."
                 self.ended = self.stop()
@@ -126,8 +122,6 @@ class Session:
         if self.beside is not None:
             forget_hands(self.beside)
         return steps
-
-    # Performing
 
     @property
     def controllers(self) -> tuple[str, ...]:
@@ -180,8 +174,6 @@ class Session:
             self.controller = "learned"
         self.perform()
 
-    # Teaching
-
     def teach(self) -> None:
         """Make the arms weightless where they are, so that they can be led."""
         self.mode, self.armed = "teach", False
@@ -195,8 +187,6 @@ class Session:
             self.teach()
         self.hands.all_let_go()
         self.behaviour, self.armed, self.recorded = behaviour, True, None
-
-    # Recording
 
     def record(self) -> None:
         """Record the performance from its start on."""
@@ -220,8 +210,6 @@ class Session:
         self.recorded = Recorded(self.going.trial(), found, self.behaviour if showed else "")
         self.armed = self.going.recorded = False
         return self.recorded
-
-    # Hands
 
     def grab(
         self, who: Hashable, body: int | str, where: np.ndarray, turned: Quaternion | None = None
@@ -256,8 +244,6 @@ class Session:
         """Hands that pull now."""
         return self.hands.pulling
 
-    # Inside
-
     def _known(self, controller: str) -> str:
         if controller not in self.controllers:
             raise ArgumentError(f"no controller '{controller}': {', '.join(self.controllers)}")
@@ -276,9 +262,22 @@ class Session:
             self.beside.episode.objects = SameObjects(self.led, self._beside)
 
     def _begin_teaching(self, recorded: bool = False) -> None:
+        self._begin_here(lambda q: Weightless(self.world.robot, posture=q), recorded)
+
+    def _stop_there(self, why: str) -> None:
+        """Begin anew if the robot cannot be held, else hold still where the arms are."""
+        if self.going.diverged:
+            self.message = "The robot became faster than any robot: it starts anew."
+            self.reset()
+        else:
+            self.ended = self.stop() if self.recording and self.going.steps else None
+            self.message = f"The arms hold still: {why}"
+            self._begin_here(lambda q: FixedImpedance(q, HOLDING))
+
+    def _begin_here(self, make: Callable[[np.ndarray], Controller], recorded: bool = False) -> None:
         robot = self.world.robot
         q = np.clip(self._simulation.q, robot.lower + INSIDE, robot.upper - INSIDE)
-        self._begin(Weightless(robot, posture=q), q, self.led.resting(), recorded)
+        self._begin(make(q), q, self.led.resting(), recorded)
 
     def _begin(
         self,

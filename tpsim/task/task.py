@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import ClassVar, Self
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 
@@ -81,6 +81,10 @@ class Goal:
         checked(self)
 
 
+Others = Literal["held", "following", "free"]
+"""What becomes of the other hands while one is led."""
+
+
 @dataclass(frozen=True)
 class Behaviour:
     """Something that is taught apart and learned as one model.
@@ -103,6 +107,9 @@ class Behaviour:
         above the tremor of people's hands nothing is left. All frequencies by default.
     asks : str
         What a person is asked to show, in a sentence.
+    others : str
+        What becomes of the other hands while a person leads one: ``"held"``, ``"following"`` it
+        as if both held one thing, or ``"free"``.
     """
 
     views: Mapping[str, View]
@@ -111,6 +118,7 @@ class Behaviour:
     goals: Mapping[str, Goal] = field(default_factory=dict)
     cutoff: float | None = None
     asks: str = ""
+    others: Others = "held"
 
 
 class Task(ABC):

@@ -159,6 +159,11 @@ class Rollout:
         self.steps += 1
         return True
 
+    @property
+    def diverged(self) -> bool:
+        """Whether the robot became faster than any robot."""
+        return self._outcome == "diverged"
+
     def run(self, until: int) -> "Rollout":
         """Go on until so many time steps have passed, or the robot diverged."""
         while self.steps < until and self.step():

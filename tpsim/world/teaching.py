@@ -109,8 +109,8 @@ def fault(robot: Robot, trial: Trial, lesson: Lesson) -> Refusal | None:
     q, reason = trial["q"], ""
     if trial.outcome != "done":
         reason = f"contact of {trial.touched}" if trial.touched else trial.outcome
-    elif min((q - robot.lower).min(), (robot.upper - q).min()) < LIMIT_MARGIN:
-        reason = "joint limit"
+    elif at_limits(robot, q):
+        return Refusal("joint limit", f"joint limit of {', '.join(at_limits(robot, q))}")
     elif trial["saturated_steps"][-1]:
         reason = "saturated"
     elif (np.abs(trial["dq"]) > robot.velocity_limit).any():
@@ -124,6 +124,12 @@ def fault(robot: Robot, trial: Trial, lesson: Lesson) -> Refusal | None:
             reason, f"teacher {reason} {100 * share:.0f} % of the time, {allowed:g} allowed"
         )
     return None
+
+
+def at_limits(robot: Robot, q: np.ndarray, margin: float = LIMIT_MARGIN) -> tuple[str, ...]:
+    """Joints that come as near to a limit as ``margin`` [rad], in posture(s) q (..., n)."""
+    room = np.minimum(q - robot.lower, robot.upper - q).reshape(-1, robot.n).min(axis=0)
+    return tuple(joint for joint, left in zip(robot.joints, room, strict=True) if left < margin)
 
 
 def strained(trial: Trial, lesson: Lesson) -> float:

@@ -29,6 +29,7 @@ class LearningPanel:
         task = page.session.task
         self._button = gui.add_button("Learn from what was shown", icon=viser.Icon.SCHOOL)
         self._button.on_click(page.guarded(self._learn))
+        self._missing = gui.add_markdown("")
         self._said = gui.add_markdown("")
         self._components, self._frames = None, {}
         with gui.add_folder("How", expand_by_default=False):
@@ -51,7 +52,12 @@ class LearningPanel:
         self._learned: Learned | None = None
 
     def refresh(self) -> None:
-        """Nothing here changes but by :meth:`show`."""
+        """Say what is still to be shown."""
+        missing = self._page.lessons.missing
+        self._button.disabled = bool(missing)
+        times = {name: "once more" if n == 1 else f"{n} times" for name, n in missing.items()}
+        more = " and ".join(f"**{name}** {often}" for name, often in times.items())
+        self._missing.content = f"Before it can learn, show it {more}." if more else ""
 
     def _draw(self) -> None:
         """Ellipsoids of the model in every frame, where the frames are now."""
@@ -111,7 +117,8 @@ class LearningPanel:
                     session.set_fields(components=int(self._components.value))
             learned = page.lessons.learn(session.task, without)
         finally:
-            self._button.disabled, self._button.label = False, "Learn from what was shown"
+            self._button.label = "Learn from what was shown"
+            self.refresh()
         with session.lock:
             session.set_models(learned.models)
         self.show(learned)

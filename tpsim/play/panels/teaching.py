@@ -1,21 +1,24 @@
 """The panel to teach by hand."""
 
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 import viser
 
-from tpsim.play.hands import Others
-from tpsim.play.lessons import FEWEST
 from tpsim.play.panels.frames import FramePlot
 from tpsim.play.recording import Recorded
 from tpsim.play.session import LONGEST
 from tpsim.plot.style import PALETTE
+from tpsim.task.task import Others
 
 if TYPE_CHECKING:
     from tpsim.play.page import Page
 
 OTHERS: tuple[Others, ...] = ("held", "following", "free")
+
+GIZMO = 0.05, 0.16
+"""Size of a gizmo [m], at least and at most."""
 
 SEGMENTS = 200
 """Lines of a trace, at most."""
@@ -32,10 +35,10 @@ class TeachingPanel:
     def __init__(self, page: "Page"):
         self._page, gui = page, page.server.gui
         behaviours = tuple(page.session.task.behaviours())
-        self._behaviour = gui.add_dropdown("Show", behaviours, hint="Behaviours are shown apart")
-        self._behaviour.on_update(page.guarded(self.refresh))
+        self._behaviour = gui.add_dropdown("Show", behaviours)
+        self._behaviour.on_update(page.guarded(self._turn_to))
         self._asks = gui.add_markdown("")
-        self._others = gui.add_dropdown("Other hand", OTHERS, hint="While one is led")
+        self._others = gui.add_dropdown("Other hand", OTHERS)
         self._others.on_update(page.guarded(self._choose))
         self._show = gui.add_button("Start a demonstration", icon=viser.Icon.PLAYER_RECORD)
         self._show.on_click(page.guarded(self._toggle))
@@ -53,11 +56,13 @@ class TeachingPanel:
         self._frame_plot = FramePlot(gui, page.session.task)
         self._pending: Recorded | None = None
         self._note = ""
+        self._reach = self._room()
         self._gizmos = {
             site: self._gizmo(name, site) for name, site in page.session.world.robot.hands.items()
         }
         self._led: dict[str, int] = {}
         self._traces: list = []
+        self._turn_to()
         self.refresh()
 
     def refresh(self) -> None:
@@ -71,10 +76,20 @@ class TeachingPanel:
         self._asks.content = self.asked()
         self._keep.visible = self._drop.visible = self._pending is not None
         self._last.disabled = not any(shown.values())
-        rows = [f"{name}: {len(found)} shown" for name, found in shown.items()]
+        self._keep.label = "Keep it"
+        if self._pending is not None and self._pending.fault:
+            self._keep.label = "Keep it all the same"
         words = self._note if self._pending is None else self._verdict(self._pending)
         words += "\n\n" if words else ""
-        self._said.content = words + "  \n".join(rows) + f"  \n{FEWEST} of a behaviour are enough."
+        self._said.content = words + "  \n".join(map(self._counted, shown))
+
+    def _counted(self, behaviour: str) -> str:
+        """How often a behaviour was shown, and how often it is to be."""
+        lessons = self._page.lessons
+        shown, missing = lessons.shown[behaviour], lessons.missing.get(behaviour, 0)
+        poor = sum(bool(recorded.fault) for recorded in shown)
+        words = f"{behaviour}: {len(shown)} shown" + (f" ({poor} better not)" if poor else "")
+        return words + (f", {missing} more needed" if missing else ", enough")
 
     def asked(self) -> str:
         """What a person is asked to show."""
@@ -104,9 +119,17 @@ class TeachingPanel:
             f"Better not: {fault}. Throw it away, and try again." if fault else "Well shown."
         )
 
+    def _room(self) -> float:
+        """Size of gizmos [m] that do not overlap where the hands are at first."""
+        session = self._page.session
+        state = session.world.robot.at(session.situation.start)
+        hands = [state.pose(site).position for site in session.world.robot.hands.values()]
+        apart = [np.linalg.norm(one - other) for one, other in combinations(hands, 2)]
+        return float(np.clip(0.5 * min(apart, default=1.0), *GIZMO))
+
     def _gizmo(self, name: str, site: str):  # type: ignore[no-untyped-def]
         gizmo = self._page.server.scene.add_transform_controls(
-            f"/gizmo/{name}", 0.16, line_width=3.0, depth_test=False, visible=False
+            f"/gizmo/{name}", self._reach, line_width=3.0, depth_test=False, visible=False
         )
 
         # A coroutine: phases are told in order.
@@ -125,6 +148,12 @@ class TeachingPanel:
                     session.let_go(who)
 
         return gizmo
+
+    def _turn_to(self) -> None:
+        """Show another behaviour, with what the other hand usually does then."""
+        usual = self._page.session.task.behaviours()[self._behaviour.value].others
+        self._others.value = usual  # type: ignore[misc]  # mypy loses the setter of a generic base
+        self._choose()
 
     def _teach(self) -> None:
         with self._page.session.lock:

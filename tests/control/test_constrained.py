@@ -237,3 +237,9 @@ def test_a_missing_solver_is_one_line_that_installs_it(monkeypatch):
     constrained_lqt(*given_, limits(1e4))  # where nothing binds none is needed
     with pytest.raises(TpsimError, match=r"pip install 'tpsim\[constraints\]'"):
         constrained_lqt(*given_, limits(1.0))
+def test_a_frame_of_other_coordinates_than_its_states_is_named():
+    state = Gaussian(np.zeros((2, 2)), np.tile(np.eye(2), (2, 1, 1)))
+    with pytest.raises(ArgumentError, match=r"frames\[0\] is of 1 local coordinates"):
+        state_references([state], [[0, 1, 1]], [Frame(np.eye(1), np.zeros(1))])
+    wide = Frame(np.eye(3, 2), np.zeros(3))
+    assert state_references([state], [[0, 1, 1]], [wide])[0].shape == (1, 3, 3)

@@ -58,6 +58,11 @@ def state_references(
             raise ArgumentError(
                 f"gaussians[{j}] have means of shape {gaussian.mean.shape}; give (K, d)"
             )
+        if frame is not None and frame.local_dim != gaussian.mean.shape[-1]:
+            raise ArgumentError(
+                f"frames[{j}] is of {frame.local_dim} local coordinates and gaussians[{j}] "
+                f"{gaussian.mean.shape[-1]}; give as many"
+            )
         chosen = visited(f"sequences[{j}]", states, len(gaussian.mean))
         mean, precision = gaussian.mean[chosen], gaussian.precision[chosen]
         if frame is not None:

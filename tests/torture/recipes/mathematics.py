@@ -226,6 +226,7 @@ def _learning(book: Book) -> None:
     add(
         "effective_samples",
         tp.effective_samples,
+        takes={"demonstrations": {"ragged"}},  # sequences have lengths of their own
         words=("sample",),
         demonstrations=PATHS,
         of="mean",
@@ -234,6 +235,7 @@ def _learning(book: Book) -> None:
     add(
         "demonstrations_wanted",
         tp.demonstrations_wanted,
+        takes={"demonstrations": {"ragged"}},
         words=("sample",),
         demonstrations=PATHS,
         within=2.0,

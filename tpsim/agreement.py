@@ -58,15 +58,17 @@ def agree(
     demonstrations = several("demonstrations", demonstrations, Demonstration)
     widths = {d.data.shape[1] for d in demonstrations}
     seen = {tuple(view.shape[1] for view in d.observations) for d in demonstrations}
-    if len(widths) != 1 or len(seen) != 1:
+    if not widths:
         return demonstrations
-    width = widths.pop()
+    width = min(widths)
     named = (
         None if quaternions is None else dimensions("quaternions", quaternions, width),
         None if angles is None else dimensions("angles", angles, width),
     )
     if named[0] is not None and named[0].max() + 4 > width:
         raise ArgumentError(f"quaternions {quaternions} need four columns each, of {width}")
+    if len(widths) != 1 or len(seen) != 1:
+        return demonstrations
     data = agreed([d.data for d in demonstrations], *named)
     views = [
         agreed(list(view), *(named if view[0].shape[1] == width else (None, None)))

@@ -65,7 +65,8 @@ class Pose(NamedTuple):
         p, R = frozen_array("position", position), rotation.from_quaternion(quaternion)
         if p.shape[-1:] != (3,) or p.shape[:-1] != R.shape[:-2]:
             raise ArgumentError(
-                f"position has shape {p.shape} and rotation {R.shape}; give (..., 3) and (..., 4)"
+                f"position has shape {p.shape} and quaternion {np.shape(quaternion)}; give "
+                "(..., 3) and (..., 4)"
             )
         return cls(R, p)
 

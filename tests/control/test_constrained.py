@@ -237,6 +237,8 @@ def test_a_missing_solver_is_one_line_that_installs_it(monkeypatch):
     constrained_lqt(*given_, limits(1e4))  # where nothing binds none is needed
     with pytest.raises(TpsimError, match=r"pip install 'tpsim\[constraints\]'"):
         constrained_lqt(*given_, limits(1.0))
+
+
 def test_a_frame_of_other_coordinates_than_its_states_is_named():
     state = Gaussian(np.zeros((2, 2)), np.tile(np.eye(2), (2, 1, 1)))
     with pytest.raises(ArgumentError, match=r"frames\[0\] is of 1 local coordinates"):

@@ -108,7 +108,11 @@ def constrained_lqt(
         # A control alone can be limited; where even that fails its limits contradict each other.
         found = _least(rows, response, nominal, rows.on_states)
         found = found or _least(rows, response, nominal, ~firm)
-        assert found is not None
+        if found is None:
+            raise ArgumentError(
+                f"from initial, {np.abs(initial).max():.1e} at most, no controls are found that "
+                "keep even their own limits; change units, or give wider limits"
+            )
         missed = rows.missed(names, found[0])
         if infeasible == "raise":
             which = ", ".join(f"'{k}' (by {v:.3g} from step {t})" for k, (v, t) in missed.items())

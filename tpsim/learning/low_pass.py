@@ -11,6 +11,9 @@ from tpsim.errors import ArgumentError
 ORDER = 2
 """Of the Butterworth filter; run forwards and backwards it counts twice."""
 
+SLOWEST = 1e-6
+"""Least cutoff, as a share of the rate: rounding leaves nothing of slower filters."""
+
 
 def low_pass(time: ArrayLike, values: ArrayLike, cutoff: float) -> Floats:
     """Remove what is faster than a frequency, forwards and backwards in time: without delay.
@@ -39,7 +42,8 @@ def low_pass(time: ArrayLike, values: ArrayLike, cutoff: float) -> Floats:
     Raises
     ------
     ArgumentError
-        Uneven stamps, fewer than two samples, or a cutoff that is not below half of the rate.
+        Uneven stamps, fewer than two samples, or a cutoff that is not below half of the rate and
+        above a millionth of it.
     """
     time, rows = stamps("time", time), column_or_matrix("values", values)
     if len(rows) != len(time) or len(time) < 2:
@@ -49,7 +53,7 @@ def low_pass(time: ArrayLike, values: ArrayLike, cutoff: float) -> Floats:
     if not timeline.evenly_spaced(time):
         raise ArgumentError("time is spaced unevenly; give even stamps, as Demonstration.resampled")
     rate = (len(time) - 1) / (time[-1] - time[0])
-    cutoff = number("cutoff", cutoff, above=0, below=rate / 2)
+    cutoff = number("cutoff", cutoff, above=SLOWEST * rate, below=rate / 2)
     sections = butter(ORDER, cutoff, fs=rate, output="sos")
     # As long as the filter remembers, where the movement is as long as that.
     ends = min(len(time) - 1, round(3 * rate / cutoff))

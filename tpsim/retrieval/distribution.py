@@ -203,6 +203,7 @@ def fit_trajectory_distribution(
     demonstrations = _demonstrations(trajectories)
     paths = [d.data for d in demonstrations] if demonstrations else trajectories
     trajectories = finite_array("trajectories", paths)
+    finite_array("variance of trajectories", np.abs(trajectories).max(initial=0.0) ** 2)
     modes = whole("modes", modes, least=1)
     noise = None if noise is None else number("noise", noise, above=0)
     if trajectories.ndim != 3 or not 1 <= modes < len(trajectories):

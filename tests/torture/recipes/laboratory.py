@@ -536,6 +536,7 @@ def _control(book: Book) -> None:
     add(
         "lab.ComputedTorque",
         lab.ComputedTorque,
+        takes={"trajectory": {"class", "function"}},
         trajectory=START,
         gain=100.0,
         damping=1.0,

@@ -34,7 +34,7 @@ def test_straight_lines_and_rests_pass_to_the_ends_and_columns_apart():
     [
         (T**2 + T, 4.0, "unevenly"),
         (T, 50.0, "below 50"),
-        (T, 0.0, "positive"),
+        (T, 0.0, "above"),
         (T[:-1], 4.0, "as many of each|pairs"),
     ],
 )

@@ -2,6 +2,7 @@
 
 import copy
 from collections.abc import Mapping, Sequence
+from math import isfinite
 
 import numpy as np
 
@@ -145,7 +146,7 @@ class Rollout:
             self.command = self.controller.command(state, state.time)
             self._wanted = self.drive.torque(self.command, state)
         torque = episode.act(self._wanted)
-        if not np.isfinite(torque.dot(torque)):
+        if not isfinite(torque.dot(torque)):
             self._outcome = "diverged"
             return False
         if self.steps % self._stride == 0:

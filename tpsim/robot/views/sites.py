@@ -196,7 +196,7 @@ class SiteView(View):
         R = self._rotation(state, base)
         if self.part == "quaternion":
             return Seen(_quaternion(R), J[3:], drift[3:])
-        error = R @ self.resolved(state.robot, self._back)
+        error = R.dot(self.resolved(state.robot, self._back))
         turning = pin.Jlog3(error).T
         if self.part == "orientation":
             return Seen(pin.log3(error), turning @ J[3:], turning @ drift[3:])
@@ -204,7 +204,7 @@ class SiteView(View):
         value, jacobian = np.empty(6), np.empty(J.shape)
         value[:3], value[3:] = p, pin.log3(error)
         jacobian[:3] = J[:3]
-        np.matmul(turning, J[3:], out=jacobian[3:])
+        turning.dot(J[3:], out=jacobian[3:])
         if drift is not _STILL:
             drift = np.concatenate((drift[:3], turning @ drift[3:]))
         return Seen(value, jacobian, drift)
@@ -239,7 +239,7 @@ class SiteView(View):
     def _rotation(self, state: State, base: Pose | Moving | None) -> np.ndarray:
         """Rotation (3, 3) of the site as the base sees it."""
         R = state.pose(self.site).rotation
-        return R if base is None else base.rotation.T @ R
+        return R if base is None else base.rotation.T.dot(R)
 
     def _moving(
         self, state: State, base: Pose | Moving | None, arm: np.ndarray
@@ -252,7 +252,7 @@ class SiteView(View):
         if isinstance(self.base, Site):
             J_base = state.jacobian(self.base.name)
             J = J - J_base
-            J[:3] += pin.skew(arm) @ J_base[3:]
+            J[:3] += pin.skew(arm).dot(J_base[3:])
         elif isinstance(base, Moving) and state.objects.twists is not None:
             v = base.velocity + pin.skew(base.angular_velocity) @ arm
             drift = -np.concatenate((back @ v, back @ base.angular_velocity))

@@ -5,6 +5,7 @@ from scipy.linalg.lapack import dgesv, dsyevd, dtrtrs
 
 from tpsim.errors import ArgumentError
 from tpsim.robot.state import State
+from tpsim.robot.views.nullspace import eye
 
 LOOSE = 0.03
 """Share of a hand's mobility from which on a direction counts as one that the hand decides."""
@@ -60,36 +61,36 @@ def damping(
     rate : float
         [1/s]
     """
-    # In the coordinates of the modes, V^T z, shares are factors.
-    n = len(V)
+    # In the coordinates of the modes, V^T z, shares are factors. (For matrices so small, @ costs
+    # twice as much as dot.)
     D = np.diag(np.sqrt(2 * stiffness))
     # What no hand has decided so far, and what is not yet slowed as a hand.
-    undecided, slow = np.eye(n), np.eye(n)
+    undecided = slow = eye(len(V))
     before = None
     for site in state.robot.hands.values():
         if before is not None:
             undecided = _without(undecided, *before)
-        rows = dtrtrs(L, state.jacobian(site).T, lower=1)[0].T @ V
+        rows = dtrtrs(L, state.jacobian(site).T, lower=1)[0].T.dot(V)
         free = rows * share
-        mobility = rows @ rows.T
-        moves = free[:3] @ undecided
-        values, U, _ = dsyevd(moves @ moves.T)
-        most = (U * (mobility[:3, :3] @ U)).sum(0)
+        mobility = rows.dot(rows.T)
+        moves = free[:3].dot(undecided)
+        values, U, _ = dsyevd(moves.dot(moves.T))
+        most = (U * mobility[:3, :3].dot(U)).sum(0)
         weight = np.maximum(values, 0.0) / (values + LOOSE * most + 1e-12)
-        pull = U.T @ rows[:3]
-        D += friction * (pull.T * weight) @ pull
+        pull = U.T.dot(rows[:3])
+        D += (friction * (pull.T * weight)).dot(pull)
         slow = _without(slow, free[:3], mobility[:3, :3])
         before = free, mobility
-    D += rate * (slow.T * share) @ slow
-    root = L @ V
-    damped: np.ndarray = root @ D @ root.T
+    D += (rate * (slow.T * share)).dot(slow)
+    root = L.dot(V)
+    damped: np.ndarray = root.dot(D).dot(root.T)
     return damped
 
 
 def _without(space: np.ndarray, rows: np.ndarray, mobility: np.ndarray) -> np.ndarray:
     """Projection that is left of a space (n, n) when what rows (m, n) move in it is taken."""
-    inside = rows @ space
-    decided = inside @ inside.T + LOOSE * mobility
-    decided.flat[:: len(decided) + 1] += 1e-12 * mobility.trace()
+    inside = rows.dot(space)
+    decided = inside.dot(inside.T) + LOOSE * mobility
+    decided += 1e-12 * mobility.trace() * eye(len(decided))
     # LAPACK directly: numpy's wrapper costs twice the call at this size.
-    return space - (space @ inside.T) @ dgesv(decided, inside)[2]
+    return space - space.dot(inside.T).dot(dgesv(decided, inside)[2])

@@ -77,15 +77,15 @@ class MinimalIntervention(Intervention):
         if self.effort is None:
             K = np.minimum(K, self._stiffest)
         L, V = modes.inertia_root, modes.vectors
-        root = L @ V
+        root = L.dot(V)
         D = damping(state, L, V, K, share, self.friction, rate)
-        return Impedance((root * K) @ root.T, D, state.q + modes.way)
+        return Impedance((root * K).dot(root.T), D, state.q + modes.way)
 
     def _free(self, product: Information, modes: Modes) -> np.ndarray:
         """Share (n,) in which the modes are free."""
         assert self._product is not None
         along = dtrtrs(modes.inertia_root, modes.vectors, lower=1, trans=1)[0]
-        return free_share(modes.precision, self._product.free(product.jacobian @ along))
+        return free_share(modes.precision, self._product.free(product.jacobian.dot(along)))
 
     def _cost(self, modes: Modes) -> float:
         """Effort as given, or that with which the most precise mode has the bandwidth."""

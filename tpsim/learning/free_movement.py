@@ -174,6 +174,6 @@ def free_share(precision: ArrayLike, free: ArrayLike) -> np.ndarray:
     free : (n,)
         That it would have if movement was free in the frame that sees it best.
     """
-    beyond, least = np.asarray(precision, float) * BOUNDARY**2, np.asarray(free, float)
+    beyond, least = np.asarray(precision, float) * BOUNDARY**2, np.asarray(free, float) ** 2
     # Where neither is known nothing is free.
-    return least**2 / np.maximum(beyond**2 + least**2, 1e-300)
+    return least / np.maximum(beyond**2 + least, 1e-300)

@@ -71,7 +71,7 @@ class Robot:
         self.friction, self.has_friction = mechanism.friction, bool(mechanism.friction.any())
         self._springs, self._slack = mechanism.springs, mechanism.slack
         self._sprung = bool(self._springs.any())
-        self._below = np.tril_indices(self.n, -1)
+        self._below = np.tri(self.n, k=-1, dtype=bool)
         for array in (self.lower, self.upper, self.velocity_limit, self.home, self.torque_limit):
             array.flags.writeable = False
         self.at_home = self.at(self.home)
@@ -280,7 +280,7 @@ class Robot:
         """Inertia (n, n) with armature."""
         mass = np.array(pin.crba(self._pin, self._dynamics, q))
         # crba fills the upper triangle only.
-        mass[self._below] = mass.T[self._below]
+        np.copyto(mass, mass.T, where=self._below)
         return mass
 
     def _place(self, state: State) -> None:

@@ -80,6 +80,8 @@ class Episode:
         Time steps so far in which a motor was at its limit, and in which something touched.
     touched : str
         The first two bodies that touched, such as ``"upper_arm and table"``.
+    sound : bool
+        Whether all torques that were wanted so far are finite.
     """
 
     def __init__(
@@ -112,14 +114,15 @@ class Episode:
         simulation = self.simulation
         simulation.reset(start)
         self._step = self.saturated = self.contacts = 0
-        self.touched = ""
+        self.touched, self.sound = "", True
         exact = self._plant.encoder_bits is None
         self._sensors = None if exact else Sensors(self._plant, simulation.timestep)
         perception, first = self._plant.perception, self.objects.now
         rows = simulation.objects
         self._camera = None if perception is None else Camera(perception, rows, first)
         held = simulation.robot.gravity_torque(start)
-        self._delay = Delay(self._plant, simulation.timestep, held)
+        late = self._plant.latency > 0
+        self._delay = Delay(self._plant, simulation.timestep, held) if late else None
 
     def sense(self) -> State:
         """Move the objects to where they are now; return what the robot senses."""
@@ -161,11 +164,13 @@ class Episode:
             self.simulation.clear_wrenches()
             for person in self.people:
                 person.act(self._step, self.truth)
-        wanted = self._delay.pass_on(wanted)
+        if self._delay is not None:
+            wanted = self._delay.pass_on(wanted)
         # Enough for all of them, and cheap; not a number is not within the limit either.
         share = wanted / self._limit
         if share.dot(share) <= 1.0:
             return wanted
+        self.sound = self.sound and bool(np.isfinite(wanted).all())
         if np.count_nonzero(np.abs(wanted) <= self._limit) == len(wanted):
             return wanted
         self.saturated += 1

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from tpsim import rotation
+from tpsim.robot.along import jacobians_along, poses_along
 from tpsim.robot.state import State
 from tpsim.world.episode import BoundPerson, Episode
 from tpsim.world.impedance import Impedance, hand_stiffness
@@ -31,6 +32,8 @@ class Log:
     def __init__(self, episode: Episode, sites: Mapping[str, str]):
         self._robot, self._episode = episode.simulation.robot, episode
         self._sites, self._hands = dict(sites), set(self._robot.hands.values())
+        for site in self._sites.values():
+            self._robot.chain(site)  # which says what there is
         self._commands: list[Impedance | None] = []
         self._states: list[State] = []
         self._energies: list[Energies] = []
@@ -56,13 +59,7 @@ class Log:
                 row.append(now)
         for person in self._watched:
             keep[person, "point"].append(person.point)
-        state = episode.truth
-        # Now, while its kinematics are computed; the state remembers them.
-        for site in self._sites.values():
-            state.pose(site)
-            if site in self._hands:
-                state.jacobian(site)
-        self._states.append(state)
+        self._states.append(episode.truth)
         self._energies.append(energies)
         self._commands.append(command if isinstance(command, Impedance) else None)
 
@@ -112,19 +109,18 @@ class Log:
         bias = np.array([state.bias for state in states])
         signals["torque_feedforward"] = bias + robot.damping * signals["dq"]
         if self._commanded:
-            signals |= self._impedance()
+            signals |= self._impedance(signals["q"])
         signals |= self._wrenches()
-        for name, site in self._sites.items():
-            poses = [state.pose(site) for state in states]
-            turned = rotation.to_quaternion(np.array([pose.rotation for pose in poses]))
-            signals[f"{name}_position"] = np.array([pose.position for pose in poses])
-            signals[f"{name}_quaternion"] = rotation.continuous(turned)
+        poses = poses_along(robot, signals["q"], self._sites.values())
+        for name, R, p in zip(self._sites, poses.rotation, poses.position, strict=True):
+            signals[f"{name}_position"] = p.copy()
+            signals[f"{name}_quaternion"] = rotation.continuous(rotation.to_quaternion(R))
         for name, row in self._episode.objects_seen.items():
             signals[f"{name}_position"] = np.array([s.objects.positions[row] for s in states])
             signals[f"{name}_quaternion"] = np.array([s.objects.quaternions[row] for s in states])
         return signals
 
-    def _impedance(self) -> dict[str, np.ndarray]:
+    def _impedance(self, q: np.ndarray) -> dict[str, np.ndarray]:
         robot, commands = self._robot, [c for c in self._commands if c is not None]
         stiffness, damping, reference = (
             np.array([getattr(command, part) for command in commands])
@@ -143,7 +139,7 @@ class Log:
                 signals[f"energy_{name}"] = energy
         for name, site in self._sites.items():
             if site in self._hands:
-                J = np.array([state.jacobian(site) for state in self._states])
+                J = jacobians_along(robot, q, site)
                 signals[f"{name}_stiffness"] = hand_stiffness(J, stiffness)[:, :3, :3]
         return signals
 

@@ -145,7 +145,7 @@ class Rollout:
             self.command = self.controller.command(state, state.time)
             self._wanted = self.drive.torque(self.command, state)
         torque = episode.act(self._wanted)
-        if not np.isfinite(torque.dot(torque)):
+        if not episode.sound:
             self._outcome = "diverged"
             return False
         if self.steps % self._stride == 0:

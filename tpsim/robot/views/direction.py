@@ -67,11 +67,17 @@ class Direction(View):
 
     def see(self, state: State) -> Seen:
         """Value and Jacobian at a state."""
-        axis = state.pose(self.site).rotation[:, AXES.index(self.axes[0])]
-        views = self.resolved(state.robot, self._views)
+        axis, views = self._axis(state), self.resolved(state.robot, self._views)
         y, slope = _angles(views @ axis)
         J = -(slope @ views) @ pin.skew(axis) @ state.jacobian(self.site)[3:]
         return Seen(y, J, np.zeros(len(y)))
+
+    def value_at(self, state: State) -> np.ndarray:
+        """Value at a state."""
+        return _angles(self.resolved(state.robot, self._views) @ self._axis(state))[0]
+
+    def _axis(self, state: State) -> np.ndarray:
+        return state.pose(self.site).rotation[:, AXES.index(self.axes[0])]
 
     def _views(self, robot: Robot) -> np.ndarray:
         """Axes (d + 1, 3) of the reference, in the rows."""
@@ -110,13 +116,22 @@ class Bearing(View):
 
     def see(self, state: State) -> Seen:
         """Value, Jacobian and drift at a state."""
-        R, p = state.pose(self.site)
-        J, thing = state.jacobian(self.site), state.objects[self.target]
-        sight = thing.position - p
-        views = R.T[[AXES.index(axis) for axis in self.axes]]
+        views, sight = self._sight(state)
         y, slope = _angles(views @ sight)
-        slope = slope @ views
-        return Seen(y, slope @ pin.skew(sight) @ J[3:] - slope @ J[:3], slope @ thing.velocity)
+        slope, J = slope @ views, state.jacobian(self.site)
+        drift = slope @ state.objects[self.target].velocity
+        return Seen(y, slope @ pin.skew(sight) @ J[3:] - slope @ J[:3], drift)
+
+    def value_at(self, state: State) -> np.ndarray:
+        """Value at a state."""
+        views, sight = self._sight(state)
+        return _angles(views @ sight)[0]
+
+    def _sight(self, state: State) -> tuple[np.ndarray, np.ndarray]:
+        """Axes (d + 1, 3) of the site, in the rows, and the way (3,) to the object [m]."""
+        R, p = state.pose(self.site)
+        views = R.T[[AXES.index(axis) for axis in self.axes]]
+        return views, state.objects[self.target].position - p
 
 
 def _check_axes(axes: str) -> None:

@@ -118,19 +118,15 @@ class Spare(View):
     def see(self, state: State) -> Seen:
         """Value and Jacobian at a state."""
         robot = state.robot
-        index, q_0 = robot.span(self.names), self._origin(robot)
+        index = robot.span(self.names)
         J_first = stacked_rows(self.first, state)[:, index]
         rows = through_nullspace(self.resolved(robot, self._basis), J_first, self.damping)
         if not self.free:
             rows = _orthonormal(rows)
         J = np.zeros((len(rows), robot.n))
         J[:, index] = rows
-        return Seen(rows @ (state.q[index] - q_0), J, np.zeros(len(rows)))
-
-    def _origin(self, robot: Robot) -> np.ndarray:
-        if self.origin is not None:
-            return np.array(self.origin)
-        return robot.home[robot.span(self.names)]
+        away = state.q[index] - (robot.home[index] if self.origin is None else self.origin)
+        return Seen(rows.dot(away), J, np.zeros(len(rows)))
 
     def _basis(self, robot: Robot) -> np.ndarray:
         """Rows (k, m): the free joints, or a basis of the nullspace at q_0."""
@@ -139,7 +135,8 @@ class Spare(View):
             names = [robot.joints[i] for i in index]
             return np.eye(len(index))[[names.index(joint) for joint in self.free]]
         q = robot.home.copy()
-        q[index] = self._origin(robot)
+        if self.origin is not None:
+            q[index] = self.origin
         state = robot.at(q)
         J = stacked_rows(self.first, state)[:, index]
         singular, Vt = np.linalg.svd(J)[1:]
@@ -155,6 +152,6 @@ class Spare(View):
 def _orthonormal(rows: np.ndarray) -> np.ndarray:
     """Rows (k, m) made orthonormal, turned as little as possible."""
     if len(rows) == 1:
-        return rows / np.sqrt(rows[0] @ rows[0])
+        return rows / np.sqrt(rows[0].dot(rows[0]))
     values, V = np.linalg.eigh(rows @ rows.T)
     return (V / np.sqrt(values)) @ V.T @ rows

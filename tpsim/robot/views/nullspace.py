@@ -31,7 +31,6 @@ def through_nullspace(J_second: np.ndarray, J: np.ndarray, damping: float) -> np
 
     By the normal equations of J (m, n): an SVD costs ten times as much.
     """
-    gram = J @ J.T
-    gram.flat[:: len(gram) + 1] += damping**2
-    felt: np.ndarray = dposv(gram, J @ J_second.T)[1]
-    return J_second - felt.T @ J
+    gram = J.dot(J.T) + damping**2 * eye(len(J))
+    felt: np.ndarray = dposv(gram, J.dot(J_second.T))[1]
+    return J_second - felt.T.dot(J)

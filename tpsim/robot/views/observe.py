@@ -49,7 +49,7 @@ def observe(
     for t, x in enumerate(at_rest):
         state = State(robot, x, Objects(rows, positions[t], quaternions[t]))
         for column, view in zip(values, views, strict=True):
-            column.append(view(state).value)
+            column.append(view.value_at(state))
     return [
         _continuous(view.manifold(robot), np.array(column))
         for view, column in zip(views, values, strict=True)

@@ -9,6 +9,8 @@ import pinocchio as pin
 from tpsim.border import border, checked
 from tpsim.errors import ArgumentError
 from tpsim.manifold.manifold import S3, Manifold
+from tpsim.pose import Pose
+from tpsim.robot.objects import Moving
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 from tpsim.robot.views.direction import AXES, Direction
@@ -187,12 +189,14 @@ class SiteView(View):
 
     def see(self, state: State) -> Seen:
         """Value, Jacobian and drift at a state."""
+        base, arm, p = self._place(state)
+        J, drift = self._moving(state, base, arm)
         if self.part == "position":
-            return self._position(state)
-        R, p, J, drift = self._relative(state)
+            return Seen(p, J[:3], drift[:3])
+        R = self._rotation(state, base)
         if self.part == "quaternion":
-            return Seen(np.roll(pin.Quaternion(R).coeffs(), 1), J[3:], drift[3:])
-        error = R @ self.resolved(state.robot, self._back)
+            return Seen(_quaternion(R), J[3:], drift[3:])
+        error = R.dot(self.resolved(state.robot, self._back))
         turning = pin.Jlog3(error).T
         if self.part == "orientation":
             return Seen(pin.log3(error), turning @ J[3:], turning @ drift[3:])
@@ -200,22 +204,21 @@ class SiteView(View):
         value, jacobian = np.empty(6), np.empty(J.shape)
         value[:3], value[3:] = p, pin.log3(error)
         jacobian[:3] = J[:3]
-        np.matmul(turning, J[3:], out=jacobian[3:])
+        turning.dot(J[3:], out=jacobian[3:])
         if drift is not _STILL:
             drift = np.concatenate((drift[:3], turning @ drift[3:]))
         return Seen(value, jacobian, drift)
 
-    def _position(self, state: State) -> Seen:
-        """The position alone, which needs no rotation of the site."""
-        if isinstance(self.base, Object):
-            thing = state.objects[self.base.name]
-            arm, back = state.pose(self.site).position - thing.position, thing.rotation.T
-            J, drift = back @ state.jacobian(self.site)[:3], _STILL[:3]
-            if state.objects.twists is not None:
-                drift = -(back @ (thing.velocity + pin.skew(thing.angular_velocity) @ arm))
-            return Seen(back @ arm, J, drift)
-        _, p, J, drift = self._relative(state)
-        return Seen(p, J[:3], drift[:3])
+    def value_at(self, state: State) -> np.ndarray:
+        """Value at a state."""
+        base, _, p = self._place(state)
+        if self.part == "position":
+            return p
+        R = self._rotation(state, base)
+        if self.part == "quaternion":
+            return _quaternion(R)
+        turned: np.ndarray = pin.log3(R @ self.resolved(state.robot, self._back))
+        return turned if self.part == "orientation" else np.concatenate((p, turned))
 
     def rows(self, state: State) -> np.ndarray:
         """Jacobian up to an invertible map of its rows."""
@@ -223,24 +226,37 @@ class SiteView(View):
             return self(state).jacobian
         return state.jacobian(self.site)[_ROWS[self.part]]
 
-    def _relative(self, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Rotation, position, Jacobian (6, n) of the velocities, and drift (6,), from the base."""
-        (R, p), J = state.pose(self.site), state.jacobian(self.site)
+    def _place(self, state: State) -> tuple[Pose | Moving | None, np.ndarray, np.ndarray]:
+        """The base, the way (3,) from it to the site in the world, and as the base sees it."""
+        p = state.pose(self.site).position
         if self.base is None:
-            return R, p, J, _STILL
+            return None, p, p
+        name = self.base.name
+        base = state.pose(name) if isinstance(self.base, Site) else state.objects[name]
+        arm = p - base.position
+        return base, arm, base.rotation.T @ arm
+
+    def _rotation(self, state: State, base: Pose | Moving | None) -> np.ndarray:
+        """Rotation (3, 3) of the site as the base sees it."""
+        R = state.pose(self.site).rotation
+        return R if base is None else base.rotation.T.dot(R)
+
+    def _moving(
+        self, state: State, base: Pose | Moving | None, arm: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Jacobian (6, n) of the velocities, and drift (6,), from the base."""
+        J, drift = state.jacobian(self.site), _STILL
+        if base is None:
+            return J, drift
+        back = base.rotation.T
         if isinstance(self.base, Site):
-            frame, J_base = state.pose(self.base.name), state.jacobian(self.base.name)
-            arm, back, drift = p - frame.position, frame.rotation.T, _STILL
+            J_base = state.jacobian(self.base.name)
             J = J - J_base
-            J[:3] += pin.skew(arm) @ J_base[3:]
-        else:
-            thing = state.objects[self.base.name]
-            arm, back, drift = p - thing.position, thing.rotation.T, _STILL
-            if state.objects.twists is not None:
-                v = thing.velocity + pin.skew(thing.angular_velocity) @ arm
-                drift = -np.concatenate((back @ v, back @ thing.angular_velocity))
-        turned = np.matmul(back, J.reshape(2, 3, -1)).reshape(6, -1)
-        return back @ R, back @ arm, turned, drift
+            J[:3] += pin.skew(arm).dot(J_base[3:])
+        elif isinstance(base, Moving) and state.objects.twists is not None:
+            v = base.velocity + pin.skew(base.angular_velocity) @ arm
+            drift = -np.concatenate((back @ v, back @ base.angular_velocity))
+        return np.matmul(back, J.reshape(2, 3, -1)).reshape(6, -1), drift
 
     def _back(self, robot: Robot) -> np.ndarray:
         """Transposed reference rotation (3, 3)."""
@@ -248,7 +264,13 @@ class SiteView(View):
             return np.reshape(self.reference, (3, 3)).T.copy()
         if isinstance(self.base, Object):
             return np.eye(3)
-        return self._relative(robot.at_home)[0].T.copy()
+        home = robot.at_home
+        return self._rotation(home, self._place(home)[0]).T.copy()
+
+
+def _quaternion(R: np.ndarray) -> np.ndarray:
+    """Unit quaternion (4,), w first, of a rotation (3, 3)."""
+    return np.roll(pin.Quaternion(R).coeffs(), 1)
 
 
 _STILL = np.zeros(6)

@@ -92,6 +92,10 @@ class View(ABC):
             known = state.seen[id(self)] = (self, self.see(state))
         return known[1]
 
+    def value_at(self, state: State) -> np.ndarray:
+        """Value (d,) at a state, where nobody asks how it changes: along recorded movements."""
+        return self(state).value
+
     def rows(self, state: State) -> np.ndarray:
         """Jacobian (d, n) up to an invertible map of its rows: all that a nullspace needs."""
         return self(state).jacobian
@@ -124,17 +128,7 @@ class View(ABC):
     def beneath(
         self, *first: "View", bend: float | None = None, damping: float = DAMPING
     ) -> "Beneath":
-        """The view in the nullspace of others that have priority, Eqs (42)-(44).
-
-        Parameters
-        ----------
-        *first : View
-            What has priority.
-        bend : float, optional
-            Radius [m/rad^2] within which an error counts as a whole: see :class:`Beneath`.
-        damping : float
-            Singular value of the first Jacobian below which its nullspace grows.
-        """
+        """The view in the nullspace of others that have priority: see :class:`Beneath`."""
         return Beneath(self, first, bend, damping)
 
     @border
@@ -191,8 +185,11 @@ class Part(View):
         """Select the rows."""
         rows = self._rows
         value, jacobian, drift, rate = self.whole(state)
-        part = None if rate is None else rate[rows]
-        return Seen(value[rows], jacobian[rows], drift[rows], part)
+        return Seen(value[rows], jacobian[rows], drift[rows], None if rate is None else rate[rows])
+
+    def value_at(self, state: State) -> np.ndarray:
+        """Select the rows of the value."""
+        return self.whole.value_at(state)[self._rows]
 
 
 @dataclass(frozen=True)
@@ -223,12 +220,17 @@ class Offset(View):
     def see(self, state: State) -> Seen:
         """Take the origin off."""
         value, jacobian, drift, rate = self.whole(state)
-        if len(self.origin) != len(value):
-            raise ArgumentError(
-                f"an origin of {len(self.origin)} numbers was given for a view of "
-                f"{len(value)} dimensions"
-            )
-        return Seen(value - self.origin, jacobian, drift, rate)
+        return Seen(self._off(value), jacobian, drift, rate)
+
+    def value_at(self, state: State) -> np.ndarray:
+        """Take the origin off the value."""
+        return self._off(self.whole.value_at(state))
+
+    def _off(self, value: np.ndarray) -> np.ndarray:
+        given, d = len(self.origin), len(value)
+        if given != d:
+            raise ArgumentError(f"an origin of {given} numbers was given for {d} dimensions")
+        return value - self.origin
 
 
 @dataclass(frozen=True)

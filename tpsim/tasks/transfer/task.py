@@ -15,9 +15,10 @@ import numpy as np
 
 from tpsim.agreement import agree
 from tpsim.border import Positive, Range
-from tpsim.controllers.finite_horizon import FiniteHorizon, effort_of
+from tpsim.controllers.finite_horizon import FiniteHorizon
 from tpsim.controllers.minimal_intervention import bandwidth_for
 from tpsim.controllers.seen_poses import POSE
+from tpsim.controllers.torque_cost import effort_of
 from tpsim.demonstration import Demonstration
 from tpsim.errors import SimulationError
 from tpsim.gaussian import Gaussian
@@ -108,7 +109,7 @@ class Transfer(Task):
         One of the catalogue (``tpsim robots``), or of a file of yours.
     effort : float
         Cost of torque, over that with which a usual deviation is worth all that springs may pull
-        (:func:`~tpsim.controllers.finite_horizon.effort_of`): with 4 the arm is half as stiff.
+        (:func:`~tpsim.controllers.torque_cost.effort_of`): with 4 the arm is half as stiff.
     components : int
         Gaussians of the movement.
     samples : int

@@ -158,7 +158,7 @@ class FiniteHorizon(RenewedImpedance):
         mass, cost = torque_cost.inertia_and_cost(*self._hand, some.mean, self._least)
         swivels = impedance(some.precision, effort * mass @ mass)
         self._swivels, self._swivel_brakes = map(self._spread, swivels)
-        self._costs = effort * self._spread(cost)
+        self._costs, self._elbow = effort * self._spread(cost), posture.mean
         self._weights = robot.torque_limit[self._arm] ** -2.0
         self._patience = Patience(HELD, torque_cost.STRENGTH, end=steps * dt)
         self._rest: np.ndarray | None = None
@@ -199,7 +199,7 @@ class FiniteHorizon(RenewedImpedance):
             lacks = self._lacks(place, seen.value, J @ state.dq[arm])
             self._progress.draw(lacks, -spring[:, :6], self._brakes[self._near], felt)
         y = np.append(seen.value, 1.0)
-        pull = lever @ (spring @ y) + swivel @ (self.posture.mean[step] - state.q[arm])
+        pull = lever @ (spring @ y) + swivel @ (self._elbow[step] - state.q[arm])
         # Nobody holds it at half its tempo. Brakes stay: they hold what has been set in motion.
         weights = self._weights / self._patience.strength(time, place, 2 * rate) ** 2
         share = torque_cost.share_within(pull, damping[arm, arm] @ state.dq[arm], weights)
@@ -267,10 +267,10 @@ class FiniteHorizon(RenewedImpedance):
         if self._alone:
             way = ways[0]
         elif self._begun is None:
-            way, postures = chosen(ways, *self._hand, state.q, self.posture.mean)
+            way, postures = chosen(ways, *self._hand, state.q)
             # There the arm is another one than where it was taught, and torque costs otherwise.
             cost = torque_cost.inertia_and_cost(*self._hand, postures, self._least)[1]
-            self._costs = self.effort * self._spread(cost)
+            self._costs, self._elbow = self.effort * self._spread(cost), self._spread(postures)
         else:
             way = min(ways, key=partial(apart, self._begun))
         self._begun = way

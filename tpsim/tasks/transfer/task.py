@@ -200,7 +200,9 @@ class Transfer(Task):
             placed = docks.draw(world.robot, rng, far, self.layout)
         start = docks.start_posture(world, placed, rng)
         if far or apart:
-            why = hindrance(world, lesson_between(world, placed, start, rng, self.teacher, pace))
+            led = lesson_between(world, placed, start, rng, self.teacher, pace)
+            # Between docks that stand in each other's way the straight way leads through walls.
+            why = hindrance(world, led, stride=1)
             if why:
                 raise SimulationError(f"the teacher cannot carry between these docks: {why}")
         return Situation(tuple(start), docks.at_rest(placed))

@@ -7,7 +7,7 @@ import pytest
 
 from tpsim import Gaussian, RiemannianGaussian, SemiMarkovChain
 from tpsim.controllers.finite_horizon import HELD, FiniteHorizon
-from tpsim.controllers.progress import PATIENCE, ByState, Patience
+from tpsim.controllers.progress import PATIENCE, AheadOfState, ByState, Patience
 from tpsim.controllers.seen_poses import POSE
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
@@ -123,6 +123,39 @@ def test_progress_is_led_on_from_one_observation_to_the_next_without_a_jump(dock
     found = np.array([progress.at(state, state.time)[0] for state in states])
     np.testing.assert_allclose(found, times, atol=0.06)
     assert np.abs(np.diff(found)).max() < 2 * 0.008
+
+
+def let_go(dock_world, told):
+    """Angle [rad] of a hand held for 1 s, then laid where its springs are at rest, over 1.5 s."""
+    speed, omega, h, eye = 0.7, 40.0, 0.004, np.eye(6)
+    turning = speed * eye[5]
+    places = Gaussian(DT * np.arange(STEPS)[:, None] * turning, np.tile(1e-4 * eye, (STEPS, 1, 1)))
+    progress, y, dy = AheadOfState(CHAIN, DT, 75.0), 0.9 * turning, 0 * turning
+    progress.follow(lambda state: Seen(y, np.zeros((6, 14)), dy), places)
+    state, found = dock_world.robot.at(dock_world.robot.home), []
+    for k in range(round(2.5 / h)):
+        asked, _ = progress.at(state, k * h)
+        late, slow = asked * turning - y, turning - dy
+        if told:
+            progress.draw(np.array([turning, late, slow]), omega**2 * eye, 2 * omega * eye, eye)
+        if k == round(1.0 / h):
+            assert (
+                y[5] / speed + 0.02 < asked < y[5] / speed + 0.07
+            )  # held, it is asked for no more
+            y = asked * turning + 2 / omega * turning
+        if k >= round(1.0 / h):
+            dy = dy + h * (omega**2 * late + 2 * omega * slow)
+            y = y + h * dy
+        found.append(y[5])
+    return np.array(found[-round(1.5 / h) :])
+
+
+def test_a_hand_that_does_what_is_asked_of_it_is_not_taken_for_one_that_is_held(dock_world):
+    # By what it does alone nobody can tell: hardly anything is asked of it.
+    moved = [
+        angle[125] - angle[0] for angle in (let_go(dock_world, told) for told in (False, True))
+    ]
+    assert moved[0] < 0.15 * 0.7 * 0.5 < 0.8 * 0.7 * 0.5 < moved[1]
 
 
 def test_stays_must_add_up_to_the_movement(dock_world):

@@ -42,9 +42,9 @@ MOVED = 1e-5
 TAIL = 0.6
 """Time [s] for which a plan goes on beyond the movement's end, which then lasts."""
 
-STRENGTH, HELD = 0.3, 0.17
-"""Share of the motors' torque that springs do not exceed beyond brakes, as after a jump; and where
-somebody holds the hand: let go, critically damped, it changes by 1 + exp(-2) of that at most."""
+HELD = 0.17
+"""Share of the motors' torque that springs do not exceed beyond brakes where somebody holds the
+hand: let go, critically damped, it changes by 1 + exp(-2) of that at most."""
 
 PERIOD = 0.008
 """Time for which an impedance lasts by default [s]."""
@@ -54,15 +54,6 @@ POSTURES = 40
 
 HOLD = 400.0
 """Stiffness [1/s^2] of the joints that do not belong to the arm."""
-
-
-def effort_of(robot: Robot, joints: tuple[str, ...]) -> float:
-    """Cost of torque [1/(Nm)^2] with which a usual deviation is worth all that springs may pull.
-
-    ``1 / (STRENGTH limit)^2``, the mean over the motors of some joints.
-    """
-    pulls = STRENGTH * robot.torque_limit[robot.index(joints)]
-    return float(np.mean(pulls**-2.0))
 
 
 class FiniteHorizon(RenewedImpedance):
@@ -168,9 +159,9 @@ class FiniteHorizon(RenewedImpedance):
         mass, cost = torque_cost.inertia_and_cost(*self._hand, some.mean, self._least)
         swivels = impedance(felt("precision of posture", some.precision), effort * mass @ mass)
         self._swivels, self._swivel_brakes = map(self._spread, swivels)
-        self._costs = effort * self._spread(cost)
+        self._costs, self._elbow = effort * self._spread(cost), posture.mean
         self._weights = robot.torque_limit[self._arm] ** -2.0
-        self._patience = Patience(HELD, STRENGTH, end=steps * dt)
+        self._patience = Patience(HELD, torque_cost.STRENGTH, end=steps * dt)
         self._rest: np.ndarray | None = None
         self._seen: np.ndarray | None = None
         self._begun: np.ndarray | None = None
@@ -196,7 +187,8 @@ class FiniteHorizon(RenewedImpedance):
         self._near = step - self._first
         seen = self._on_plane(state)
         J, M = seen.jacobian[:, arm], state.mass
-        lever = J.T @ torque_cost.felt_inertia(M[arm, arm], J, self._least)
+        felt = torque_cost.felt_inertia(M[arm, arm], J, self._least)
+        lever = J.T @ felt
         null = M[arm, arm] - lever @ J
         swivel = null @ self._swivels[step]
         # The other joints hold still, critically damped.
@@ -204,8 +196,11 @@ class FiniteHorizon(RenewedImpedance):
         stiffness[arm, arm] = swivel - lever @ spring[:, :6] @ J
         damping[arm, arm] = null @ self._swivel_brakes[step]
         damping[arm, arm] += lever @ self._brakes[self._near] @ J
+        if self._progress is not None:
+            lacks = self._lacks(place, seen.value, J @ state.dq[arm])
+            self._progress.draw(lacks, -spring[:, :6], self._brakes[self._near], felt)
         y = np.append(seen.value, 1.0)
-        pull = lever @ (spring @ y) + swivel @ (self.posture.mean[step] - state.q[arm])
+        pull = lever @ (spring @ y) + swivel @ (self._elbow[step] - state.q[arm])
         # Nobody holds it at half its tempo. Brakes stay: they hold what has been set in motion.
         weights = self._weights / self._patience.strength(time, place, 2 * rate) ** 2
         share = torque_cost.share_within(pull, damping[arm, arm] @ state.dq[arm], weights)
@@ -273,10 +268,10 @@ class FiniteHorizon(RenewedImpedance):
         if self._alone:
             way = ways[0]
         elif self._begun is None:
-            way, postures = chosen(ways, *self._hand, state.q, self.posture.mean)
+            way, postures = chosen(ways, *self._hand, state.q)
             # There the arm is another one than where it was taught, and torque costs otherwise.
             cost = torque_cost.inertia_and_cost(*self._hand, postures, self._least)[1]
-            self._costs = self.effort * self._spread(cost)
+            self._costs, self._elbow = self.effort * self._spread(cost), self._spread(postures)
         else:
             way = min(ways, key=partial(apart, self._begun))
         self._begun = way
@@ -290,6 +285,12 @@ class FiniteHorizon(RenewedImpedance):
         away = np.concatenate([p - path.points[t, :3], pin.log3(turn)])
         J = np.concatenate([J[:3], pin.Jlog3(turn).T @ J[3:]])
         return Seen(path.plane[t] + back @ away, back @ J, np.zeros(6))
+
+    def _lacks(self, time: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
+        """Velocity of the movement, and what place and velocity lack of it (3, 6)."""
+        at, past = self._path.plane[self._near :][:2], time / self.dt - self._near - self._first
+        way = (at[-1] - at[0]) / self.dt
+        return np.array([way, at[0] + past * self.dt * way - y, way - dy])
 
     def _law(self, time: float) -> tuple[int, np.ndarray]:
         """Step of the movement, and spring there, linear between steps."""

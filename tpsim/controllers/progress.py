@@ -132,7 +132,7 @@ class Ahead:
     def __init__(self, lead: float = LEAD):
         self._lead, self._asked, self._since, self._rate = lead, 0.0, 0.0, 0.0
 
-    def of(self, place: float, time: float) -> tuple[float, float]:
+    def of(self, place: float, time: float, drawn: float = np.inf) -> tuple[float, float]:
         """Time within the movement [s] to ask for, and how much of it passes per second.
 
         Parameters
@@ -141,10 +141,14 @@ class Ahead:
             Where in the movement hands are [s].
         time : float
             By the clock [s].
+        drawn : float
+            How hard hands are drawn on, of what those feel that are held so far behind: hands that
+            do what is asked of them keep up, wherever they seem to be.
         """
         self._asked += self._rate * (time - self._since)
         self._since = time
-        self._rate = float(np.interp((self._asked - place) / self._lead, *TEMPO))
+        share = min((self._asked - place) / self._lead, max(drawn, 0.0))
+        self._rate = float(np.interp(share, *TEMPO))
         return self._asked, self._rate
 
 
@@ -188,6 +192,10 @@ class AheadOfState(ByState):
     A critically damped spring that follows a movement draws as if from two over its natural
     frequency ahead; stiff ones are asked for the rest of :data:`DRAWN`.
 
+    A hand that nobody holds moves no faster than it is asked to: while little is asked of it, its
+    velocity is that of a hand that is held. What tells them apart is how hard it is drawn on: not
+    at all where it does what is asked of it (:meth:`draw`).
+
     Parameters
     ----------
     chain : SemiMarkovChain
@@ -199,10 +207,31 @@ class AheadOfState(ByState):
 
     def __init__(self, chain: SemiMarkovChain, dt: float, stiffest: float):
         super().__init__(chain, dt)
-        lead = DRAWN - 2 / stiffest
-        self._ahead = Ahead(lead) if lead > 1e-9 else None
+        self._lead, self._drawn = DRAWN - 2 / stiffest, np.inf
+        self._ahead = Ahead(self._lead) if self._lead > 1e-9 else None
+
+    def draw(
+        self, lacks: np.ndarray, spring: np.ndarray, brake: np.ndarray, inertia: np.ndarray
+    ) -> None:
+        """Say how hard the hand is drawn on: the power of springs and brakes along the way.
+
+        Parameters
+        ----------
+        lacks : (3, d)
+            Velocity of the movement at what is asked for, and what the hand lacks of place and
+            velocity there.
+        spring, brake : (d, d)
+            Stiffness [1/s^2] and damping [1/s] that follow the movement.
+        inertia : (d, d)
+            That the hand feels.
+        """
+        way, late, slow = lacks
+        felt = way @ inertia @ (spring @ late + brake @ slow)
+        held = way @ inertia @ (self._lead * spring @ way + brake @ way)
+        # Where the movement rests nobody is drawn anywhere.
+        self._drawn = float(felt / held) if held > 1e-12 else np.inf
 
     def at(self, state: State, time: float) -> tuple[float, float]:
         """Time within the movement [s] to ask for, and how much of it passes per second."""
         place, rate = super().at(state, time)
-        return (place, rate) if self._ahead is None else self._ahead.of(place, time)
+        return (place, rate) if self._ahead is None else self._ahead.of(place, time, self._drawn)

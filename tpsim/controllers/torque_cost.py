@@ -7,6 +7,9 @@ from scipy.linalg.lapack import dposv
 
 from tpsim.robot.robot import Robot
 
+STRENGTH = 0.3
+"""Share of the motors' torque that springs do not exceed beyond brakes, as after a jump."""
+
 SINGULAR = 0.05
 """Mobility [1/kg], [1/(kg m^2)] below which the arm counts as unable to move its hand."""
 
@@ -15,6 +18,15 @@ HEAVY = 0.8
 
 _NEVER = 1e-9
 """Share of the largest mobility that is none."""
+
+
+def effort_of(robot: Robot, joints: tuple[str, ...]) -> float:
+    """Cost of torque [1/(Nm)^2] with which a usual deviation is worth all that springs may pull.
+
+    ``1 / (STRENGTH limit)^2``, the mean over the motors of some joints.
+    """
+    pulls = STRENGTH * robot.torque_limit[robot.index(joints)]
+    return float(np.mean(pulls**-2.0))
 
 
 def mobility(M: np.ndarray, J: np.ndarray) -> np.ndarray:

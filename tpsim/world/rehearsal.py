@@ -83,8 +83,17 @@ class Rehearsed:
         )
 
 
-def hindrance(world: World, lesson: Lesson) -> str:
-    """What keeps the arm from following a lesson; nothing where it can."""
+def hindrance(world: World, lesson: Lesson, stride: int = CONTACT_STRIDE) -> str:
+    """What keeps the arm from following a lesson; nothing where it can.
+
+    Parameters
+    ----------
+    world : World
+    lesson : Lesson
+    stride : int
+        Postures for each one that is looked at for contact: a hand in a hurry passes through a thin
+        wall between two of few.
+    """
     robot, simulation, taught = world.robot, world.simulation(), _taught(world, lesson)
     for count, (q, share, behind) in enumerate(_followed(world, lesson)):
         if behind:
@@ -94,7 +103,7 @@ def hindrance(world: World, lesson: Lesson) -> str:
         room = np.minimum(q - robot.lower, robot.upper - q)
         if room[taught].min() < MARGIN:
             return "a joint comes near its limit"
-        if count % CONTACT_STRIDE == 0:
+        if count % stride == 0:
             simulation.reset(q)
             put_objects(lesson.objects, simulation)
             if simulation.touches:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tpsim import rotation
+from tpsim.pose import Pose
 from tpsim.study.executor import perform_condition
 from tpsim.study.record import Records
 from tpsim.study.study import Lab, Plan
@@ -14,9 +15,11 @@ from tpsim.task.verbs import learn, perform, teach
 from tpsim.tasks.transfer import docks
 from tpsim.tasks.transfer.study import ENDED, MEASURES, TO_THE_END, path_rms, study
 from tpsim.tasks.transfer.task import Transfer
+from tpsim.tasks.transfer.teacher import lesson_between
 from tpsim.world.object_path import ObjectPath
 from tpsim.world.perception import Perception
 from tpsim.world.plant import Plant
+from tpsim.world.rehearsal import hindrance
 
 TAUGHT = 6
 
@@ -65,6 +68,18 @@ def test_far_situations_are_twice_as_far_as_taught_ones_from_each_other():
     apart = np.mean(np.sum((one - other) ** 2, axis=1)) ** 0.5
     away = np.mean(np.sum((far - other) ** 2, axis=1)) ** 0.5
     assert away == pytest.approx(2 * apart, rel=0.05)
+
+
+def test_a_way_through_a_wall_is_seen_where_every_posture_is_looked_at():
+    stage = Transfer().stage
+    behind = {
+        "start": Pose(rotation.exp([0.036, -0.07, 2.957]), np.array([0.624, 0.49, 0.13])),
+        "end": Pose(rotation.exp([0.24, -0.273, -3.103]), np.array([0.56, 0.148, 0.168])),
+    }
+    start = docks.start_posture(stage, behind, np.random.default_rng(0))
+    led = lesson_between(stage, behind, start, np.random.default_rng(1), pace=1.5)
+    assert hindrance(stage, led) == ""
+    assert hindrance(stage, led, stride=1) == "sugar and end touch"
 
 
 def test_each_dock_is_precise_where_the_hand_is_in_it(lab):

@@ -15,9 +15,10 @@ import numpy as np
 
 from tpsim.agreement import agree
 from tpsim.border import Positive, Range
-from tpsim.controllers.finite_horizon import FiniteHorizon, effort_of
+from tpsim.controllers.finite_horizon import FiniteHorizon
 from tpsim.controllers.minimal_intervention import bandwidth_for
 from tpsim.controllers.seen_poses import POSE
+from tpsim.controllers.torque_cost import effort_of
 from tpsim.demonstration import Demonstration
 from tpsim.errors import SimulationError
 from tpsim.gaussian import Gaussian
@@ -108,7 +109,7 @@ class Transfer(Task):
         One of the catalogue (``tpsim robots``), or of a file of yours.
     effort : float
         Cost of torque, over that with which a usual deviation is worth all that springs may pull
-        (:func:`~tpsim.controllers.finite_horizon.effort_of`): with 4 the arm is half as stiff.
+        (:func:`~tpsim.controllers.torque_cost.effort_of`): with 4 the arm is half as stiff.
     components : int
         Gaussians of the movement.
     samples : int
@@ -199,7 +200,9 @@ class Transfer(Task):
             placed = docks.draw(world.robot, rng, far, self.layout)
         start = docks.start_posture(world, placed, rng)
         if far or apart:
-            why = hindrance(world, lesson_between(world, placed, start, rng, self.teacher, pace))
+            led = lesson_between(world, placed, start, rng, self.teacher, pace)
+            # Between docks that stand in each other's way the straight way leads through walls.
+            why = hindrance(world, led, stride=1)
             if why:
                 raise SimulationError(f"the teacher cannot carry between these docks: {why}")
         return Situation(tuple(start), docks.at_rest(placed))

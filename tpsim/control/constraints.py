@@ -132,14 +132,16 @@ def joint_torque(limit: ArrayLike, mass: ArrayLike, bias: ArrayLike = 0.0) -> Co
 
 def _limits(name: str, side: str, value: object) -> np.ndarray:
     """Limits as an array that may be infinite, or an ArgumentError."""
-    given = array_of(f"{side} of constraint '{name}'", value)
+    given = array_of(f"{side} of constraint {shown(name)}", value)
     masked = isinstance(value, np.ma.MaskedArray)
     if masked or given.dtype.kind not in "iuf" or not given.size:
         raise ArgumentError(
-            f"{side} of constraint '{name}' is {shown(value)}; give limits (c,) or (T, c)"
+            f"{side} of constraint {shown(name)} is {shown(value)}; give limits (c,) or (T, c)"
         )
     limits = np.atleast_1d(given.astype(float))
     if np.isnan(limits).any():
-        raise ArgumentError(f"{side} of constraint '{name}' holds NaN; infinity means no limit")
+        raise ArgumentError(
+            f"{side} of constraint {shown(name)} holds NaN; infinity means no limit"
+        )
     limits.flags.writeable = False
     return limits

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.border import Positive, border, read
-from tpsim.checks import path
+from tpsim.checks import path, shown
 from tpsim.deploy import folder as files
 from tpsim.deploy.cartesian import CartesianLimits, HandFilter, HandImpedance
 from tpsim.deploy.sensed import Seen, objects_in, sensed
@@ -183,7 +183,8 @@ class Policy:
         wanted, limit = self._drive.torque(now, state), self.robot.torque_limit
         if not np.isfinite(wanted).all():
             raise RecordingError(
-                "the policy has no finite torque here: its masses or its model are damaged"
+                f"the policy has no finite torque at q = {shown(q)}, dq = {shown(dq)}: they are beyond "
+                "all measure, or its masses or its model are damaged"
             )
         return np.minimum(np.maximum(wanted, -limit), limit)
 

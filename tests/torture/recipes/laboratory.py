@@ -77,7 +77,7 @@ def _robot(book: Book) -> None:
     add(
         "lab.Robot.from_mjcf",
         lab.Robot.from_mjcf,
-        takes={"torque_limit": {"no dict"}, "velocity_limit": {"no dict"}},
+        takes={name: {"no dict"} for name in ("torque_limit", "velocity_limit", "home")},
         words=("limits", "file", "MJCF", "URDF"),
         source=ARM,
         hands=hands,
@@ -90,7 +90,7 @@ def _robot(book: Book) -> None:
     add(
         "lab.Robot.from_urdf",
         lab.Robot.from_urdf,
-        takes={"torque_limit": {"no dict"}, "velocity_limit": {"no dict"}},
+        takes={name: {"no dict"} for name in ("torque_limit", "velocity_limit", "home")},
         words=("limits", "file", "MJCF", "URDF"),
         path=str(urdf),
         hands={"hand": "link"},
@@ -111,7 +111,7 @@ def _robot(book: Book) -> None:
     add(
         "lab.Arms",
         lab.Arms,
-        takes={"torque_limit": {"no dict"}, "velocity_limit": {"no dict"}},
+        takes={name: {"no dict"} for name in ("torque_limit", "velocity_limit", "home")},
         words=("limits", "file", "MJCF", "arms"),
         file=ARM,
         grippers={"left": grip},

@@ -183,8 +183,8 @@ class Policy:
         wanted, limit = self._drive.torque(now, state), self.robot.torque_limit
         if not np.isfinite(wanted).all():
             raise RecordingError(
-                f"the policy has no finite torque at q = {shown(q)}, dq = {shown(dq)}: they are beyond "
-                "all measure, or its masses or its model are damaged"
+                f"the policy has no finite torque at q = {shown(q)}, dq = {shown(dq)}: they "
+                "are beyond all measure, or its masses or its model are damaged"
             )
         return np.minimum(np.maximum(wanted, -limit), limit)
 

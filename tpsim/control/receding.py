@@ -91,7 +91,10 @@ def receding_horizon(
 
 
 def _system(system: object, t: int, state: np.ndarray) -> LinearSystem:
-    found = system(t, state) if callable(system) else system
+    try:
+        found = system(t, state) if callable(system) else system
+    except TypeError as error:
+        raise ArgumentError(f"system cannot be called as system(t, state): {error}") from error
     if not isinstance(found, LinearSystem):
         raise ArgumentError(
             f"system is a {type(found).__name__}; give integrator(dim, dt), or system(t, state) "

@@ -182,7 +182,7 @@ def visited(name: str, states: object, components: int | None = None) -> np.ndar
     """A sequence of states (T,), of ``components`` ones if that is known, or an ArgumentError."""
     found = array_of(name, states)
     allowed = "0, 1, 2, ..." if components is None else f"0..{components - 1}"
-    if found.ndim != 1 or not np.issubdtype(found.dtype, np.integer):
+    if found.ndim != 1 or found.dtype.kind not in "iu":
         raise ArgumentError(f"{name} must be (T,) integers, got {found.dtype} {found.shape}")
     if found.size == 0:
         raise ArgumentError(f"{name} visit no state: the sequence is empty; give one of {allowed}")

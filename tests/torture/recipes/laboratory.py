@@ -509,7 +509,14 @@ def _control(book: Book) -> None:
             period=0.016,
             **strength,
         )
-    add("lab.Spring", lab.Spring, view=VIEW, stiffness=[300.0, 200.0, 100.0], reference=np.ones(3))
+    add(
+        "lab.Spring",
+        lab.Spring,
+        takes={"reference": {"class", "function"}},
+        view=VIEW,
+        stiffness=[300.0, 200.0, 100.0],
+        reference=np.ones(3),
+    )
     add(
         "lab.CartesianImpedance",
         lab.CartesianImpedance,

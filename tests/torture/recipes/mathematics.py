@@ -768,6 +768,7 @@ def _retrieval(book: Book) -> None:
     add(
         "fit_tp_trajectory_distribution",
         tp.fit_tp_trajectory_distribution,
+        words=("trajector",),
         demonstrations=DEMONSTRATIONS,
         modes=2,
         noise=0.1,

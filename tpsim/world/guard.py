@@ -32,19 +32,15 @@ class Guard:
         self._least = np.concatenate((robot.lower + WIDTH, -robot.velocity_limit))
         self._most = np.concatenate((robot.upper - WIDTH, robot.velocity_limit))
 
-    def wakes(self, state: State) -> bool:
-        """Whether the robot is near or beyond a limit; far from all, it only looks at times."""
+    def torque(self, state: State) -> np.ndarray | None:
+        """Torque (n,) [Nm] at a state; None away from all limits, where it only looks at times."""
         if self._asleep:
             self._asleep -= 1
-            return False
-        x = state.x
-        near = bool(np.count_nonzero(x < self._least) + np.count_nonzero(x > self._most))
-        self._asleep = 0 if near else SLEEP
-        return near
-
-    def torque(self, state: State) -> np.ndarray:
-        """Torque (n,) [Nm] at a state."""
+            return None
         x, n = state.x, len(state.q)
         back = np.maximum(self._least - x, 0.0) - np.maximum(x - self._most, 0.0)
+        if not np.count_nonzero(back):
+            self._asleep = SLEEP
+            return None
         torque: np.ndarray = state.mass.diagonal() * (STIFFNESS * back[:n] + DAMPING * back[n:])
         return torque

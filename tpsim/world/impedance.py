@@ -144,7 +144,7 @@ class Drive:
         torque: np.ndarray = self._wanted - self._gain.dot(state.x) + state.bias
         if self._robot.has_friction:
             torque = torque + self._robot.friction_torque(state.dq)
-        guard = self._guard.torque(state) if self._guard.wakes(state) else None
+        guard = self._guard.torque(state)
         return self.ledger.enter(torque, guard, command, state, self._age, short)
 
     def _refuse(self, what: str) -> None:

@@ -277,10 +277,9 @@ class Robot:
 
     def compute_mass(self, q: np.ndarray) -> np.ndarray:
         """Inertia (n, n) with armature."""
-        mass = np.array(pin.crba(self._pin, self._dynamics, q))
+        upper = pin.crba(self._pin, self._dynamics, q)
         # crba fills the upper triangle only.
-        np.copyto(mass, mass.T, where=self._below)
-        return mass
+        return np.where(self._below, upper.T, upper)
 
     def _place(self, state: State) -> None:
         if self._placed is not state:

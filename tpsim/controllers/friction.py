@@ -63,9 +63,9 @@ def damping(
     """
     # In the coordinates of the modes, V^T z, shares are factors. (For matrices so small, @ costs
     # twice as much as dot.)
-    D = np.diag(np.sqrt(2 * stiffness))
     # What no hand has decided so far, and what is not yet slowed as a hand.
     undecided = slow = eye(len(V))
+    D = slow * np.sqrt(2 * stiffness)
     before = None
     for site in state.robot.hands.values():
         if before is not None:

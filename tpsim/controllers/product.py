@@ -175,7 +175,7 @@ class Product:
         if not self._free_starts:
             return np.zeros(directions.shape[1])
         seen = self._free.dot(directions) ** 2
-        most: np.ndarray = np.add.reduceat(seen, self._free_starts).max(axis=0)
+        most: np.ndarray = np.maximum.reduce(np.add.reduceat(seen, self._free_starts))
         return most
 
     def at(self, state: State) -> Information:

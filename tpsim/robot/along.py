@@ -1,6 +1,6 @@
 """Kinematics along a movement: where sites are at all of its postures, and their Jacobians."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 
 import numpy as np
 import pinocchio as pin
@@ -11,28 +11,24 @@ from tpsim.robot.robot import Robot
 
 def poses_along(robot: Robot, q: np.ndarray, sites: Collection[str]) -> Pose:
     """Poses of k sites in the world, rotation (k, T, 3, 3), along postures q (T, n) [rad]."""
-    placed = np.empty((len(sites), len(q), 4, 4))
-    for t, (data, frames) in enumerate(_placed(robot, q, sites)):
+    model, frames = robot.mechanism.model, [robot.sites[site] for site in sites]
+    data = model.createData()
+    found, placed = np.empty((len(q), len(frames), 4, 4)), data.oMf
+    for row, posture in zip(found, q, strict=True):
+        pin.framesForwardKinematics(model, data, posture)
         for k, frame in enumerate(frames):
-            placed[k, t] = data.oMf[frame].homogeneous
-    return Pose(placed[..., :3, :3], placed[..., :3, 3])
+            row[k] = placed[frame].homogeneous
+    found = found.swapaxes(0, 1)
+    return Pose(found[..., :3, :3], found[..., :3, 3])
 
 
 def jacobians_along(robot: Robot, q: np.ndarray, site: str) -> np.ndarray:
     """Jacobians (T, 6, n) of a site, world-aligned, along postures q (T, n) [rad]."""
-    found, model = np.empty((len(q), 6, robot.n)), robot.mechanism.model
-    for J, (data, (frame,)) in zip(found, _placed(robot, q, [site]), strict=True):
-        J[:] = pin.getFrameJacobian(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
-    return found
-
-
-def _placed(
-    robot: Robot, q: np.ndarray, sites: Collection[str]
-) -> Iterator[tuple[pin.Data, list[int]]]:
-    """Joints and frames placed at one posture after the other, and the frames of sites."""
-    model, frames = robot.mechanism.model, [robot.sites[site] for site in sites]
-    data = model.createData()
-    for posture in q:
+    model, aligned = robot.mechanism.model, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    data, frame = model.createData(), robot.sites[site]
+    found = np.empty((len(q), 6, robot.n))
+    for J, posture in zip(found, q, strict=True):
         pin.computeJointJacobians(model, data, posture)
-        pin.updateFramePlacements(model, data)
-        yield data, frames
+        pin.updateFramePlacement(model, data, frame)
+        J[:] = pin.getFrameJacobian(model, data, frame, aligned)
+    return found

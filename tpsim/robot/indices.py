@@ -70,9 +70,10 @@ class Indices:
     def span(self, joints: Names) -> slice | np.ndarray:
         """The same indices as a slice, where they follow each other."""
         joints = _hashable(joints)
-        if joints not in self._spans:
-            self._spans[joints] = as_slice(self.find(joints))
-        return self._spans[joints]
+        found = self._spans.get(joints)
+        if found is None:
+            found = self._spans[joints] = as_slice(self.find(joints))
+        return found
 
 
 def _hashable(joints: Names) -> Names:

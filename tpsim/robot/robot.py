@@ -237,12 +237,6 @@ class Robot:
         torque: np.ndarray = self.friction * np.tanh(dq / RUBBING)
         return torque
 
-    def potential_energy(self, q: np.ndarray) -> float:
-        """Energy [J] of gravity and of the joints' own springs at q (n,)."""
-        q = self.posture("q", q)
-        springs = 0.5 * float(self._springs @ (q - self._slack) ** 2) if self._sprung else 0.0
-        return springs + float(pin.computePotentialEnergy(self._pin, self._dynamics, q))
-
     def is_comfortable(self, q: np.ndarray, margin: float = 0.15, load: float = 0.8) -> bool:
         """Whether a posture q (n,) keeps off its limits by a margin [rad], with torque to spare.
 
@@ -276,12 +270,16 @@ class Robot:
         """Torque against the joints' own springs, added; most robots have none."""
         return torque + self._springs * (q - self._slack) if self._sprung else torque
 
+    def compute_energy(self, q: np.ndarray) -> float:
+        """Potential energy [J] of gravity and of the joints' own springs."""
+        springs = 0.5 * float(self._springs @ (q - self._slack) ** 2) if self._sprung else 0.0
+        return springs + float(pin.computePotentialEnergy(self._pin, self._dynamics, q))
+
     def compute_mass(self, q: np.ndarray) -> np.ndarray:
         """Inertia (n, n) with armature."""
-        mass = np.array(pin.crba(self._pin, self._dynamics, q))
+        upper = pin.crba(self._pin, self._dynamics, q)
         # crba fills the upper triangle only.
-        np.copyto(mass, mass.T, where=self._below)
-        return mass
+        return np.where(self._below, upper.T, upper)
 
     def _place(self, state: State) -> None:
         if self._placed is not state:

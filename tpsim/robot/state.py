@@ -78,6 +78,11 @@ class State:
         """Torque (n,) [Nm] that holds the robot still."""
         return self.robot.compute_gravity(self.q)
 
+    @property
+    def potential_energy(self) -> float:
+        """Energy [J] of gravity and of the joints' own springs."""
+        return self.robot.compute_energy(self.q)
+
     def pose(self, site: str) -> Pose:
         """Pose of a site in the world."""
         found = self._poses.get(site) if isinstance(site, str) else None

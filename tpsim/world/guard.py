@@ -27,25 +27,20 @@ class Guard:
     """
 
     def __init__(self, robot: Robot):
-        self._fast, self._asleep = robot.velocity_limit, 0
-        self._low, self._high = robot.lower + WIDTH, robot.upper - WIDTH
-        self._least = np.concatenate((self._low, -robot.velocity_limit))
-        self._most = np.concatenate((self._high, robot.velocity_limit))
+        self._asleep = 0
+        # Of angles over velocities.
+        self._least = np.concatenate((robot.lower + WIDTH, -robot.velocity_limit))
+        self._most = np.concatenate((robot.upper - WIDTH, robot.velocity_limit))
 
-    def wakes(self, state: State) -> bool:
-        """Whether the robot is near or beyond a limit; far from all, it only looks at times."""
+    def torque(self, state: State) -> np.ndarray | None:
+        """Torque (n,) [Nm] at a state; None away from all limits, where it only looks at times."""
         if self._asleep:
             self._asleep -= 1
-            return False
-        x = state.x
-        near = bool(np.count_nonzero(x < self._least) + np.count_nonzero(x > self._most))
-        self._asleep = 0 if near else SLEEP
-        return near
-
-    def torque(self, state: State) -> np.ndarray:
-        """Torque (n,) [Nm] at a state."""
-        q, dq = state.q, state.dq
-        angle = np.maximum(self._low - q, 0.0) - np.maximum(q - self._high, 0.0)
-        speed = np.sign(dq) * np.maximum(np.abs(dq) - self._fast, 0.0)
-        torque: np.ndarray = np.diagonal(state.mass) * (STIFFNESS * angle - DAMPING * speed)
+            return None
+        x, n = state.x, len(state.q)
+        back = np.maximum(self._least - x, 0.0) - np.maximum(x - self._most, 0.0)
+        if not np.count_nonzero(back):
+            self._asleep = SLEEP
+            return None
+        torque: np.ndarray = state.mass.diagonal() * (STIFFNESS * back[:n] + DAMPING * back[n:])
         return torque

@@ -113,7 +113,7 @@ class Drive:
         self.ledger = Ledger(robot, period, Tank.of(robot) if tank is None else tank)
         self._now: Impedance | None = None
         self._age, self._wanted = 0, np.zeros(0)
-        self._gain = np.zeros(0)
+        self._gain, self._given = np.zeros(0), np.diag(robot.damping)
         self._lead: np.ndarray | None = None
 
     @property
@@ -144,7 +144,7 @@ class Drive:
         torque: np.ndarray = self._wanted - self._gain.dot(state.x) + state.bias
         if self._robot.has_friction:
             torque = torque + self._robot.friction_torque(state.dq)
-        guard = self._guard.torque(state) if self._guard.wakes(state) else None
+        guard = self._guard.torque(state)
         return self.ledger.enter(torque, guard, command, state, self._age, short)
 
     def _refuse(self, what: str) -> None:
@@ -156,9 +156,8 @@ class Drive:
     def _begin(self, now: Impedance) -> None:
         self._now, self._age = now, 0
         # The joints' own damping is compensated.
-        damping = now.damping - np.diag(self._robot.damping)
-        self._gain = np.concatenate((now.stiffness, damping), axis=1)
-        self._wanted, self._lead = now.stiffness @ now.reference, None
+        self._gain = np.concatenate((now.stiffness, now.damping - self._given), axis=1)
+        self._wanted, self._lead = now.stiffness.dot(now.reference), None
         if now.velocity is not None:
             self._wanted += now.damping @ now.velocity
             self._lead = now.stiffness @ (self.period * now.velocity)

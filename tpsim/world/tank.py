@@ -180,7 +180,7 @@ class Ledger:
 
     def _close(self, state: State) -> None:
         """Take the work since the last look from what is owned."""
-        height = self._robot.potential_energy(state.q)
+        height = state.potential_energy
         if self._rows:
             assert self._height is not None
             work, taken = self._done(state)
@@ -201,12 +201,12 @@ class Ledger:
             rubbed = float((moved * self._robot.friction_torque(rows[:-1, n : 2 * n])).sum())
         did = np.minimum(np.maximum(rows[:-1, n:], self._least), self._most)
         if not self._ends:
-            work, taken = self._weights.dot((moved.T @ did).ravel()).tolist()
+            work, taken = self._weights.dot(moved.T.dot(did).ravel()).tolist()
             return work - rubbed, taken
         work, taken = -rubbed, 0.0
         ends = [*self._ends, (len(moved), self._weights)]
         for (last, weights), first in zip(ends, [0, *(end for end, _ in ends)], strict=False):
-            some = weights.dot((moved[first:last].T @ did[first:last]).ravel()).tolist()
+            some = weights.dot(moved[first:last].T.dot(did[first:last]).ravel()).tolist()
             work, taken = work + some[0], taken + some[1]
         return work, taken
 

@@ -125,7 +125,6 @@ def _robot(book: Book) -> None:
     add("lab.Robot.index", ROBOT.index, joints="sh.*")
     add("lab.Robot.index", ROBOT.index, joints=("elbow",))
     add("lab.Robot.span", ROBOT.span, joints="sh.*")
-    add("lab.Robot.potential_energy", ROBOT.potential_energy, q=START)
     add("lab.Robot.gravity_torque", ROBOT.gravity_torque, q=START)
     add("lab.Robot.is_comfortable", ROBOT.is_comfortable, q=START, margin=0.15, load=0.8)
     for method in ("jacobian", "pose", "twist"):

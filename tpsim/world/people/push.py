@@ -74,12 +74,13 @@ class BoundPush:
         # Views of MuJoCo's own memory: looking them up costs more than reading.
         self._position = simulation.data.xpos[self._body]
         self._rotation = simulation.data.xmat[self._body].reshape(3, 3)
-        self.wrench = _NOTHING
+        self._level, self.wrench = 0.0, _NOTHING
 
     def act(self, step: int, state: State) -> None:
         """Apply the wrench of this time step."""
         level = self._push.level(step * self._simulation.timestep)
-        self.wrench = level * self._whole if level else _NOTHING
+        if level != self._level:
+            self._level, self.wrench = level, level * self._whole if level else _NOTHING
         if level:
             self._simulation.apply_wrench(self._body, self.wrench, self.point)
 

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from tpsim import Gaussian, RiemannianGaussian, SemiMarkovChain
-from tpsim.controllers.finite_horizon import HELD, FiniteHorizon
+from tpsim.controllers.finite_horizon import FiniteHorizon
 from tpsim.controllers.progress import PATIENCE, AheadOfState, ByState, Patience
 from tpsim.controllers.seen_poses import POSE
+from tpsim.controllers.torque_cost import HELD
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.state import State

@@ -41,10 +41,6 @@ MOVED = 1e-5
 TAIL = 0.6
 """Time [s] for which a plan goes on beyond the movement's end, which then lasts."""
 
-HELD = 0.16
-"""Share of the motors' torque that springs do not exceed where somebody holds the hand: let go,
-critically damped, torque changes by 1 + exp(-1) / 2 of that at most, and hardly by a fifth."""
-
 PERIOD = 0.008
 """Time for which an impedance lasts by default [s]."""
 
@@ -160,7 +156,8 @@ class FiniteHorizon(RenewedImpedance):
         self._swivels, self._swivel_brakes = map(self._spread, swivels)
         self._costs, self._elbow = effort * self._spread(cost), posture.mean
         self._weights = robot.torque_limit[self._arm] ** -2.0
-        self._patience = Patience(HELD, torque_cost.STRENGTH, end=steps * dt)
+        held = torque_cost.held(robot, self._arm)
+        self._patience = Patience(held, torque_cost.STRENGTH, end=steps * dt)
         self._rest: np.ndarray | None = None
         self._seen: np.ndarray | None = None
         self._begun: np.ndarray | None = None

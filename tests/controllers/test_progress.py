@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from tpsim import Gaussian, RiemannianGaussian, SemiMarkovChain
-from tpsim.controllers.finite_horizon import HELD, FiniteHorizon
+from tpsim.controllers.finite_horizon import FiniteHorizon
 from tpsim.controllers.progress import PATIENCE, AheadOfState, ByState, Patience
 from tpsim.controllers.seen_poses import POSE
+from tpsim.controllers.torque_cost import HELD
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.state import State
@@ -93,7 +94,9 @@ def test_springs_are_weak_where_a_movement_stands_still_before_its_end():
     kept = np.exp(-0.5 / PATIENCE)
     assert springs.strength(2.0, 1.0, 0.0) == pytest.approx(0.1 + 0.2 * kept)
     assert springs.strength(9.0, 1.0, 0.0) == pytest.approx(0.1)
+    assert springs.going == pytest.approx(0.0, abs=1e-6)
     assert springs.strength(15.0, 1.95, 0.0) == pytest.approx(0.3)
+    assert springs.going == pytest.approx(1.0, abs=1e-4)
 
 
 def test_who_holds_the_hand_winds_no_spring_up(performed, dock_world):
@@ -101,7 +104,24 @@ def test_who_holds_the_hand_winds_no_spring_up(performed, dock_world):
     _, trial = performed(True, Hold("left_gripper", 0.9, 1.5), seconds=2.8)
     torque, let_go = trial["torque"], np.searchsorted(trial.time, 2.4 + 1e-9)
     jump = np.abs(torque[let_go : let_go + 10] - torque[let_go - 1]) / limit
-    assert jump.max() < 1.14 * HELD
+    assert jump.max() < (1 + np.exp(-1) / 2) * HELD
+
+
+@pytest.mark.parametrize("wound", [0.5, 1.0, 1.5, 3.0, 30.0])
+def test_let_go_a_bounded_spring_changes_by_a_fifth_more_than_its_bound(wound):
+    """The worst is a spring that is no longer bounded where brakes have just caught up with it."""
+    omega, h, changed = 20.0, 1e-4, 0.0
+    left, speed = wound / omega**2, 0.0
+    for _ in range(30000):
+        acceleration = min(omega**2 * left, 1.0) - 2 * omega * speed
+        changed = max(changed, min(wound, 1.0) - acceleration)
+        speed += h * acceleration
+        left -= h * speed
+    assert changed < 1 + np.exp(-1) / 2 + 1e-3
+    if wound > 10:
+        assert changed == pytest.approx(1 + np.exp(-1) / 2, abs=2e-3)
+    if wound <= 1:
+        assert changed == pytest.approx((1 + np.exp(-2)) * wound, abs=2e-3)
 
 
 def test_pushed_on_it_hurries(performed):

@@ -74,3 +74,10 @@ def test_directions_in_which_an_arm_never_moves_make_no_arm_singular():
     postures = np.array([HOME[:3], HOME[1:4]])
     least = torque_cost.least_mobility(arm, slice(0, 3), "tip", postures)
     assert 1e-3 < least <= torque_cost.SINGULAR
+
+
+def test_springs_of_an_arm_that_is_held_overcome_its_friction_but_are_no_stronger_than_usual():
+    for rubs, share in ((0.0, 0.16), (0.4, 0.16 + 0.01 * 6**0.5), (4.0, torque_cost.STRENGTH)):
+        text = ARM.replace("{i}", "0.1").replace("<joint ", f'<joint frictionloss="{rubs}" ')
+        robot = lab.Robot.from_mjcf(text, hands={"hand": "tip"})
+        np.testing.assert_allclose(torque_cost.held(robot, slice(0, 6)), share)

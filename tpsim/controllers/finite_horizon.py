@@ -42,10 +42,6 @@ MOVED = 1e-5
 TAIL = 0.6
 """Time [s] for which a plan goes on beyond the movement's end, which then lasts."""
 
-HELD = 0.17
-"""Share of the motors' torque that springs do not exceed beyond brakes where somebody holds the
-hand: let go, critically damped, it changes by 1 + exp(-2) of that at most."""
-
 PERIOD = 0.008
 """Time for which an impedance lasts by default [s]."""
 
@@ -161,7 +157,8 @@ class FiniteHorizon(RenewedImpedance):
         self._swivels, self._swivel_brakes = map(self._spread, swivels)
         self._costs, self._elbow = effort * self._spread(cost), posture.mean
         self._weights = robot.torque_limit[self._arm] ** -2.0
-        self._patience = Patience(HELD, torque_cost.STRENGTH, end=steps * dt)
+        held = torque_cost.held(robot, self._arm)
+        self._patience = Patience(held, torque_cost.STRENGTH, end=steps * dt)
         self._rest: np.ndarray | None = None
         self._seen: np.ndarray | None = None
         self._begun: np.ndarray | None = None
@@ -201,9 +198,10 @@ class FiniteHorizon(RenewedImpedance):
             self._progress.draw(lacks, -spring[:, :6], self._brakes[self._near], felt)
         y = np.append(seen.value, 1.0)
         pull = lever @ (spring @ y) + swivel @ (self._elbow[step] - state.q[arm])
-        # Nobody holds it at half its tempo. Brakes stay: they hold what has been set in motion.
+        # Brakes stay, and relieve springs where it goes on: nobody holds it at half its tempo.
         weights = self._weights / self._patience.strength(time, place, 2 * rate) ** 2
-        share = torque_cost.share_within(pull, damping[arm, arm] @ state.dq[arm], weights)
+        brake = self._patience.going * (damping[arm, arm] @ state.dq[arm])
+        share = torque_cost.share_within(pull, brake, weights)
         stiffness[arm, arm] *= share
         # It stays for the period: over soft springs, one that moves would hold too much energy.
         reference = self._rest.copy()
@@ -250,11 +248,10 @@ class FiniteHorizon(RenewedImpedance):
         # Of Gaussians that are tracked at once (Eq. 38) only the product matters.
         target = way[longer][None], precision[longer][None]
         feedback = tracked(path, *target, self._system, effort)
-        kept = slice(len(way) + 1)
         self._first, self._near, self._path = first, 0, path
         self._turned = rotation.from_quaternion(path.points[:, 3:])
-        self._brakes: np.ndarray = feedback.gain[kept, :, 6:]
-        self._springs = np.dstack([-feedback.gain[..., :6], feedback.feedforward])[kept]
+        self._brakes: np.ndarray = feedback.gain[: len(way) + 1, :, 6:]
+        self._springs = np.dstack([-feedback.gain[..., :6], feedback.feedforward])[: len(way) + 1]
         if self._progress is not None:
             axes = path.axes[: len(way)][self._ticks]
             spread = axes.mT @ np.linalg.inv(precision[self._ticks]) @ axes

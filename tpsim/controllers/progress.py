@@ -147,7 +147,7 @@ class Ahead:
         """
         self._asked += self._rate * (time - self._since)
         self._since = time
-        share = min((self._asked - place) / self._lead, max(drawn, 0.0))
+        share = min((self._asked - place) / self._lead, drawn)
         self._rate = float(np.interp(share, *TEMPO))
         return self._asked, self._rate
 
@@ -164,11 +164,16 @@ class Patience:
         movement's own tempo.
     end : float
         Time within the movement [s] at which it stands still of itself; springs stay strong.
+
+    Attributes
+    ----------
+    going : float
+        0 where it stands still, 1 where it goes on or has ended.
     """
 
     def __init__(self, held: float, usual: float = 1.0, end: float = np.inf):
         self._held, self._usual, self._end = held, usual, end - ENDING
-        self._asked, self._going = 0.0, 1.0
+        self._asked, self.going = 0.0, 1.0
 
     def strength(self, time: float, place: float, rate: float) -> float:
         """Share of the motors' torque that springs may ask for.
@@ -182,8 +187,8 @@ class Patience:
         """
         kept = np.exp((self._asked - time) / PATIENCE)
         going = 1.0 if place > self._end else min(rate, 1.0)
-        self._asked, self._going = time, kept * self._going + (1 - kept) * going
-        return self._held + (self._usual - self._held) * self._going
+        self._asked, self.going = time, kept * self.going + (1 - kept) * going
+        return self._held + (self._usual - self._held) * self.going
 
 
 class AheadOfState(ByState):
@@ -213,7 +218,9 @@ class AheadOfState(ByState):
     def draw(
         self, lacks: np.ndarray, spring: np.ndarray, brake: np.ndarray, inertia: np.ndarray
     ) -> None:
-        """Say how hard the hand is drawn on: the power of springs and brakes along the way.
+        """Say how hard the hand is drawn, wherever to, beside one that is held a lead behind.
+
+        As accelerations are weighed by Gauss's principle: with the inertia that the hand feels.
 
         Parameters
         ----------
@@ -226,10 +233,10 @@ class AheadOfState(ByState):
             That the hand feels.
         """
         way, late, slow = lacks
-        felt = way @ inertia @ (spring @ late + brake @ slow)
-        held = way @ inertia @ (self._lead * spring @ way + brake @ way)
-        # Where the movement rests nobody is drawn anywhere.
-        self._drawn = float(felt / held) if held > 1e-12 else np.inf
+        pull, usual = spring @ late + brake @ slow, self._lead * spring @ way + brake @ way
+        felt, held = (np.sqrt(one @ inertia @ one) for one in (pull, usual))
+        # Where the movement rests nobody who holds it is drawn.
+        self._drawn = float(felt / held) if held > 1e-6 else np.inf
 
     def at(self, state: State, time: float) -> tuple[float, float]:
         """Time within the movement [s] to ask for, and how much of it passes per second."""

@@ -10,6 +10,10 @@ from tpsim.robot.robot import Robot
 STRENGTH = 0.3
 """Share of the motors' torque that springs do not exceed beyond brakes, as after a jump."""
 
+HELD = 0.16
+"""The same where somebody holds the hand: let go, critically damped, torque changes by
+1 + exp(-1) / 2 of that at most, and hardly by a fifth."""
+
 SINGULAR = 0.05
 """Mobility [1/kg], [1/(kg m^2)] below which the arm counts as unable to move its hand."""
 
@@ -27,6 +31,15 @@ def effort_of(robot: Robot, joints: tuple[str, ...]) -> float:
     """
     pulls = STRENGTH * robot.torque_limit[robot.index(joints)]
     return float(np.mean(pulls**-2.0))
+
+
+def held(robot: Robot, arm: slice) -> float:
+    """Share of the motors' torque that springs of an arm do not exceed while it is held.
+
+    Beyond joint friction, which nobody else overcomes: let go, weaker springs would not move it.
+    """
+    rubs = float(np.linalg.norm(robot.friction[arm] / robot.torque_limit[arm]))
+    return min(HELD + rubs, STRENGTH)
 
 
 def mobility(M: np.ndarray, J: np.ndarray) -> np.ndarray:

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+from tpsim.errors import SimulationError
+from tpsim.study import teachers
 from tpsim.study.contest import Contest, Error
 from tpsim.study.files.run import load_run
 from tpsim.study.measure import Measure, most
@@ -78,3 +80,22 @@ def test_what_a_study_measures_itself_is_not_replaced_by_its_contest(toy, tmp_pa
     )
     assert answer["figures"]["gap_p95_mm"] == seen["gap_p95_mm"] != 7.0
     assert answer["figures"]["dominated_by"] == []
+
+
+def test_a_teacher_who_fails_is_counted_and_does_not_end_the_others(toy, tmp_path, monkeypatch):
+    whole = teachers.run
+
+    def failing(study, plan, *others, **more):
+        if plan.seed == 5:
+            raise SimulationError("only 5 of 6 demonstrations were good")
+        return whole(study, plan, *others, **more)
+
+    monkeypatch.setattr(teachers, "run", failing)
+    study = replace(toy, measures=[REACH], controllers={})
+    answer = run_teachers(study, Plan(4, 1, 1), 3, tmp_path / "run")
+    assert answer["failed"] == [{"seed": 5, "why": "only 5 of 6 demonstrations were good"}]
+    assert "the teacher of seed 5 failed" in answer["missed"]
+    assert answer["kept"]["reach_mm"]["worst teacher"].endswith(("(seed 4)", "(seed 6)"))
+    assert "The teacher of seed 5 failed: only 5 of 6" in (tmp_path / "run/report.html").read_text()
+    with pytest.raises(SimulationError, match="only 5 of 6"):
+        run_teachers(study, Plan(5, 1, 1), 1, tmp_path / "other")

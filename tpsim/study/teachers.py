@@ -8,6 +8,7 @@ from typing import cast
 import numpy as np
 from scipy.stats import binomtest
 
+from tpsim.errors import SimulationError
 from tpsim.study.files.checked import to_json
 from tpsim.study.files.run import run_folder
 from tpsim.study.measure import Measure, Result
@@ -52,12 +53,19 @@ def run_teachers(
     dict
         As :func:`tpsim.study.running.run`, of the trials of all teachers together; with
         ``kept``: for every measure of single trials that has a limit the share of trials that
-        keep it, its 95 % Wilson interval, and the worst teacher.
+        keep it, its 95 % Wilson interval, and the worst teacher; and with ``failed``: the seeds of
+        teachers who could not show the task, or whose robot could not perform it, and why.
+
+    Raises
+    ------
+    SimulationError
+        If all of them failed.
     """
     folder = run_folder(study.task.name, plan.seed) if folder is None else folder
     numbers: dict[str, list[list[float]]] = {}
     wholes: dict[str, list[Result]] = {}
     lost: list[dict[str, object]] = []
+    failed: list[dict[str, object]] = []
     counts = {"trials": 0, "situations": 0, "refused_demonstrations": 0}
 
     def look(lab: Lab, records: Records, results: Sequence[Result]) -> None:
@@ -67,19 +75,28 @@ def run_teachers(
         for result in results:
             wholes.setdefault(result.name, []).append(result)
 
-    for k in range(teachers):
-        say(f"teacher {k + 1} of {teachers}: seed {plan.seed + k}")
-        answer = run(
-            study,
-            replace(plan, seed=plan.seed + k),
-            folder / f"teacher-{plan.seed + k}",
-            workers=workers,
-            video=False,
-            command=command,
-            look=look,
-        )
+    seeds = []
+    for seed in range(plan.seed, plan.seed + teachers):
+        say(f"teacher {seed - plan.seed + 1} of {teachers}: seed {seed}")
+        try:
+            answer = run(
+                study,
+                replace(plan, seed=seed),
+                folder / f"teacher-{seed}",
+                workers=workers,
+                video=False,
+                command=command,
+                look=look,
+            )
+        except SimulationError as error:
+            say(f"the teacher of seed {seed} is left out: {error}")
+            failed.append({"seed": seed, "why": str(error)})
+            if len(failed) == teachers:
+                raise
+            continue
+        seeds.append(seed)
         counts["trials"] += int(str(answer["trials"]))
-        lost += [{"seed": plan.seed + k, **row} for row in cast(list[dict], answer["lost"])]
+        lost += [{"seed": seed, **row} for row in cast(list[dict], answer["lost"])]
         counts["situations"] += plan.situations
         counts["refused_demonstrations"] += int(str(answer.get("refused_demonstrations", 0)))
     measures = {m.name: m for m in study.all_measures}
@@ -88,7 +105,7 @@ def run_teachers(
         for name, results in wholes.items()
     }
     rows = [
-        _kept(measures[name], found, plan.seed)
+        _kept(measures[name], found, seeds)
         for name, found in numbers.items()
         if measures[name].limit is not None
     ]
@@ -99,7 +116,10 @@ def run_teachers(
         lead=study.lead,
         command=command,
         figures=results,
-        sections=[Section("For how many it holds", _TEXT, table=rows), _each(wholes, plan.seed)],
+        sections=[
+            Section("For how many it holds", _TEXT, table=rows),
+            _each(wholes, seeds, failed),
+        ],
         film=None,
         no_film="Films are made of single runs.",
         about={"teachers": teachers, "seeds": f"{plan.seed} to {plan.seed + teachers - 1}"},
@@ -111,8 +131,12 @@ def run_teachers(
         **counts,
         "figures": figures,
         "kept": {str(row["measure"]): row for row in rows},
-        "missed": [result.title for result in results if result.passed is False],
+        "missed": [
+            *(result.title for result in results if result.passed is False),
+            *(f"the teacher of seed {one['seed']} failed" for one in failed),
+        ],
         "lost": lost,
+        "failed": failed,
         "paths": {"run": str(folder), "report": str(report)},
     }
     write_text(folder / "teachers.json", to_json(plain(found), indent=1))
@@ -141,7 +165,7 @@ def _together(
     return min(values) if results[0].at_least else max(values)
 
 
-def _kept(measure: Measure, found: list[list[float]], seed: int) -> dict[str, object]:
+def _kept(measure: Measure, found: list[list[float]], seeds: Sequence[int]) -> dict[str, object]:
     assert measure.limit is not None
     values = np.array([number for numbers in found for number in numbers])
     own = [float(measure.across(numbers)) if numbers else np.nan for numbers in found]
@@ -153,20 +177,27 @@ def _kept(measure: Measure, found: list[list[float]], seed: int) -> dict[str, ob
         worst = int(np.nanargmin(own) if floor else np.nanargmax(own))
         row["kept"] = f"{100 * kept / len(values):.1f} %"
         row["interval"] = f"{100 * interval.low:.1f} to {100 * interval.high:.1f} %"
-        row["worst teacher"] = f"{own[worst]:.3g} (seed {seed + worst})"
+        row["worst teacher"] = f"{own[worst]:.3g} (seed {seeds[worst]})"
     return row
 
 
-def _each(wholes: Mapping[str, list[Result]], seed: int) -> Section:
-    """Every figure of every teacher."""
-    count = len(next(iter(wholes.values())))
+def _each(
+    wholes: Mapping[str, list[Result]],
+    seeds: Sequence[int],
+    failed: Sequence[Mapping[str, object]],
+) -> Section:
+    """Every figure of every teacher, and which ones failed."""
     rows = [
-        {"seed": seed + k}
+        {"seed": seed}
         | {
             name: "" if (value := found[k].value) is None else f"{value:.3g}"
             for name, found in wholes.items()
             if found[k].limit is not None
         }
-        for k in range(count)
+        for k, seed in enumerate(seeds)
     ]
-    return Section("Every teacher", "The figures of each teacher's own run.", table=rows)
+    left_out = "".join(
+        f" The teacher of seed {one['seed']} failed: {one['why']}." for one in failed
+    )
+    text = f"The figures of each teacher's own run.{left_out}"
+    return Section("Every teacher", text, table=rows)

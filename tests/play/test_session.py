@@ -308,3 +308,15 @@ def test_another_controller_beside_may_give_up_alone(study, models):
     assert session.advance(200) == 200
     assert session.beside is None
     assert session.message == "'still' ended: no frame says how the joint moves"
+
+
+def test_a_demonstration_ends_where_the_last_hand_lets_go(session, study):
+    session.teach()
+    session.start_demonstration("bring")
+    lead(session, (-0.05, 0.06, 0.0))
+    session.advance(400)  # before somebody presses the button
+    shown = session.stop()
+    seconds = shown.condition.duration
+    assert shown.condition.drag[0].until == pytest.approx(seconds)
+    assert shown.trial.time[-1] < seconds < session.time - 0.5
+    same_bits(demonstrate(session.world, shown.condition.lesson, study.task.sites()), shown.trial)

@@ -1,6 +1,6 @@
 """What a session recorded: a trial, and what repeats it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from tpsim.study.condition import Condition
 from tpsim.world.trial import Trial
@@ -25,3 +25,13 @@ class Recorded:
     condition: Condition
     behaviour: str = ""
     fault: str = ""
+
+
+def until(trial: Trial, seconds: float) -> Trial:
+    """The same trial as if it had ended after some time [s]."""
+    keep = trial.time < seconds - 1e-9
+    if keep.all():
+        return trial
+    arrays = {name: signal[keep] for name, signal in trial.arrays.items()}
+    parted = trial.outcome == "contact" and not arrays["contact_steps"][-1:].any()
+    return replace(trial, arrays=arrays, outcome="done" if parted else trial.outcome)

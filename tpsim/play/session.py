@@ -16,7 +16,7 @@ from tpsim.errors import ArgumentError
 from tpsim.play.beside import SameForce, SameObjects, forget_hands, stopped
 from tpsim.play.hands import Hands, Pull, body_name
 from tpsim.play.objects import LedObjects
-from tpsim.play.recording import Recorded
+from tpsim.play.recording import Recorded, until
 from tpsim.study.condition import Condition
 from tpsim.study.study import Study
 from tpsim.task.task import Models, Others, Task, draw_situation
@@ -106,14 +106,13 @@ class Session:
 
     def advance(self, steps: int) -> int:
         """Let time pass; how many steps did, fewer where the robot diverged or all was recorded."""
-        longest = round(LONGEST / self.world.timestep)
         for done in range(steps):
             if (why := stopped(self.going)) is not None:
                 self._stop_there(why)
                 return done
-            if self.beside is not None and (why := stopped(self.beside)) is not None:
+            if self.beside and (why := stopped(self.beside)) is not None:
                 self.beside, self.message = None, f"'{self.compared}' ended: {why}"
-            if self.recording and self.going.steps >= longest:
+            if self.recording and self.time >= LONGEST:
                 self.message = f"The recording ended after {LONGEST:g} s."
                 self.ended = self.stop()
                 return done
@@ -127,9 +126,8 @@ class Session:
     def controllers(self) -> tuple[str, ...]:
         """Controllers that can perform now, by name."""
         names = tuple(self.study.all_controllers)
-        if self.models is None:
-            return (HOLD, *(name for name in names if name != "learned"))
-        return names
+        learned = self.models is not None
+        return names if learned else (HOLD, *(name for name in names if name != "learned"))
 
     def perform(self, controller: str | None = None) -> None:
         """Perform the task from its start with one of the controllers."""
@@ -196,18 +194,20 @@ class Session:
         self._begin_performance(recorded=True)
 
     def stop(self) -> Recorded:
-        """End the recording or the demonstration; what came of it is in ``recorded``, too."""
+        """End the recording or the demonstration, which lasts until the last hand lets go."""
         if self.armed and not self.recording:
             self.armed = False
             raise ArgumentError("nothing was shown yet: take hold of a hand and lead it")
         if not self.recording:
             raise ArgumentError("nothing is being recorded; start a recording first")
-        start, drags = tuple(self._start.tolist()), self.hands.values()
+        start = tuple(self._start.tolist())
         situation = replace(self.situation, start=start, objects=self.led.paths())
         showed = self.mode == "teach"
         name, controller = ("shown", "") if showed else ("played", self.controller)
-        found = Condition(name, situation, controller, drag=drags, duration=self.time)
-        self.recorded = Recorded(self.going.trial(), found, self.behaviour if showed else "")
+        seconds = self.hands.led_until * self.world.timestep if showed else self.time
+        found = Condition(name, situation, controller, drag=self.hands.values(), duration=seconds)
+        behaviour = self.behaviour if showed else ""
+        self.recorded = Recorded(until(self.going.trial(), seconds), found, behaviour)
         self.armed = self.going.recorded = False
         return self.recorded
 

@@ -38,7 +38,8 @@ class TeachingPanel:
         self._behaviour = gui.add_dropdown("Show", behaviours)
         self._behaviour.on_update(page.guarded(self._turn_to))
         self._asks = gui.add_markdown("")
-        self._others = gui.add_dropdown("Other hand", OTHERS)
+        usual = page.session.task.behaviours()[behaviours[0]].others
+        self._others = gui.add_dropdown("Other hand", OTHERS, initial_value=usual)
         self._others.on_update(page.guarded(self._choose))
         self._show = gui.add_button("Start a demonstration", icon=viser.Icon.PLAYER_RECORD)
         self._show.on_click(page.guarded(self._toggle))
@@ -62,7 +63,7 @@ class TeachingPanel:
         }
         self._led: dict[str, int] = {}
         self._traces: list = []
-        self._turn_to()
+        self._choose()
         self.refresh()
 
     def refresh(self) -> None:
@@ -152,8 +153,8 @@ class TeachingPanel:
     def _turn_to(self) -> None:
         """Show another behaviour, with what the other hand usually does then."""
         usual = self._page.session.task.behaviours()[self._behaviour.value].others
+        # Its callback chooses.
         self._others.value = usual  # type: ignore[misc]  # mypy loses the setter of a generic base
-        self._choose()
 
     def _teach(self) -> None:
         with self._page.session.lock:

@@ -17,7 +17,7 @@ from tpsim.controllers.product import Skill
 from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import fit_tp_gmm
 from tpsim.scene.compose import Held, world
-from tpsim.task.task import Behaviour, Goal, Models, Others, Situation, Task
+from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
 from tpsim.tasks.cup_and_sugar import cup, sugar
 from tpsim.tasks.cup_and_sugar.hands import Hands
 from tpsim.tasks.cup_and_sugar.home import home
@@ -47,9 +47,6 @@ ASKS = {
     "sugar": "Lead the left hand anywhere: the sugar follows above its cup.",
 }
 """What a person is asked to show."""
-
-OTHERS: dict[str, Others] = {"cup": "held", "sugar": "following"}
-"""What the other hand does meanwhile."""
 
 _ROOMS = {"cup": cup, "sugar": sugar}
 
@@ -124,7 +121,7 @@ class CupAndSugar(Task):
                 goals[name],
                 CUTOFF[self.teacher],
                 ASKS[name],
-                OTHERS[name],
+                others="following",
             )
             for name in self.taught
         }

@@ -184,8 +184,8 @@ class FiniteHorizon(RenewedImpedance):
         self._near = step - self._first
         seen = self._on_plane(state)
         J, M = seen.jacobian[:, arm], state.mass
-        felt = torque_cost.felt_inertia(M[arm, arm], J, self._least)
-        lever = J.T @ felt
+        inertia = torque_cost.felt_inertia(M[arm, arm], J, self._least)
+        lever = J.T @ inertia
         null = M[arm, arm] - lever @ J
         swivel = null @ self._swivels[step]
         # The other joints hold still, critically damped.
@@ -195,7 +195,7 @@ class FiniteHorizon(RenewedImpedance):
         damping[arm, arm] += lever @ self._brakes[self._near] @ J
         if self._progress is not None:
             lacks = self._lacks(place, seen.value, J @ state.dq[arm])
-            self._progress.draw(lacks, -spring[:, :6], self._brakes[self._near], felt)
+            self._progress.draw(lacks, -spring[:, :6], self._brakes[self._near], inertia)
         y = np.append(seen.value, 1.0)
         pull = lever @ (spring @ y) + swivel @ (self._elbow[step] - state.q[arm])
         # Brakes stay, and relieve springs where it goes on: nobody holds it at half its tempo.

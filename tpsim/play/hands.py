@@ -42,7 +42,6 @@ class Hands:
     def __init__(self, going: Rollout):
         self._going, self._simulation = going, going.episode.simulation
         self._pulls: dict[Hashable, Pull] = {}
-        self._released = 0
         self._all: list[BoundDrag] = []
 
     def __len__(self) -> int:
@@ -109,7 +108,6 @@ class Hands:
         """Let go; of no use to who holds nothing."""
         pull = self._pulls.pop(who, None)
         if pull is not None:
-            self._released = self._going.steps
             for drag in (pull.drag, *pull.others):
                 drag.let_go(self._going.steps)
 
@@ -124,11 +122,6 @@ class Hands:
             self._all = [drag for drag in self._all if drag.held]
             self._going.episode.people[:] = self._all
             self._simulation.clear_wrenches()
-
-    @property
-    def led_until(self) -> int:
-        """Time step at which the last hand let go; the one of now while somebody holds on."""
-        return self._going.steps if self._pulls else self._released
 
     def values(self) -> tuple[Drag, ...]:
         """What all hands did up to now."""

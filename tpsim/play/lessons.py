@@ -146,13 +146,12 @@ class Lessons:
         ArgumentError
             If there are too few demonstrations, or no frame is left.
         """
+        for name, count in self.missing.items():
+            raise ArgumentError(
+                f"'{name}' was shown {FEWEST - count} times; show it {FEWEST} times at least: "
+                "what differs between them is what does not matter"
+            )
         taught = {name: self.of(name) for name in task.behaviours()}
-        for name, trials in taught.items():
-            if len(trials) < FEWEST:
-                raise ArgumentError(
-                    f"'{name}' was shown {len(trials)} times; show it {FEWEST} times at least: "
-                    "what differs between them is what does not matter"
-                )
         models, seen = self._done(Work(task, taught, without or {}))
         return Learned(
             models,

@@ -200,12 +200,12 @@ class Session:
             raise ArgumentError("nothing was shown yet: take hold of a hand and lead it")
         if not self.recording:
             raise ArgumentError("nothing is being recorded; start a recording first")
-        start = tuple(self._start.tolist())
+        start, drags = tuple(self._start.tolist()), self.hands.values()
         situation = replace(self.situation, start=start, objects=self.led.paths())
         showed = self.mode == "teach"
         name, controller = ("shown", "") if showed else ("played", self.controller)
-        seconds = self.hands.led_until * self.world.timestep if showed else self.time
-        found = Condition(name, situation, controller, drag=self.hands.values(), duration=seconds)
+        seconds = max((drag.until for drag in drags if showed), default=self.time)
+        found = Condition(name, situation, controller, drag=drags, duration=seconds)
         behaviour = self.behaviour if showed else ""
         self.recorded = Recorded(until(self.going.trial(), seconds), found, behaviour)
         self.armed = self.going.recorded = False
@@ -267,7 +267,7 @@ class Session:
     def _stop_there(self, why: str) -> None:
         """Begin anew if the robot cannot be held, else hold still where the arms are."""
         if self.going.diverged:
-            self.message = "The robot became faster than any robot: it starts anew."
+            self.message = f"{why.capitalize()}: it starts anew."
             self.reset()
         else:
             self.ended = self.stop() if self.recording and self.going.steps else None

@@ -109,8 +109,8 @@ def fault(robot: Robot, trial: Trial, lesson: Lesson) -> Refusal | None:
     q, reason = trial["q"], ""
     if trial.outcome != "done":
         reason = f"contact of {trial.touched}" if trial.touched else trial.outcome
-    elif at_limits(robot, q):
-        return Refusal("joint limit", f"joint limit of {', '.join(at_limits(robot, q))}")
+    elif joints := at_limits(robot, q):
+        return Refusal("joint limit", f"joint limit of {', '.join(joints)}")
     elif trial["saturated_steps"][-1]:
         reason = "saturated"
     elif (np.abs(trial["dq"]) > robot.velocity_limit).any():

@@ -10,7 +10,7 @@ from tpsim.play.panels.frames import FramePlot
 from tpsim.play.recording import Recorded
 from tpsim.play.session import LONGEST
 from tpsim.plot.style import PALETTE
-from tpsim.task.task import Others
+from tpsim.task.task import Behaviour, Others
 
 if TYPE_CHECKING:
     from tpsim.play.page import Page
@@ -38,8 +38,7 @@ class TeachingPanel:
         self._behaviour = gui.add_dropdown("Show", behaviours)
         self._behaviour.on_update(page.guarded(self._turn_to))
         self._asks = gui.add_markdown("")
-        usual = page.session.task.behaviours()[behaviours[0]].others
-        self._others = gui.add_dropdown("Other hand", OTHERS, initial_value=usual)
+        self._others = gui.add_dropdown("Other hand", OTHERS, initial_value=self._asked.others)
         self._others.on_update(page.guarded(self._choose))
         self._show = gui.add_button("Start a demonstration", icon=viser.Icon.PLAYER_RECORD)
         self._show.on_click(page.guarded(self._toggle))
@@ -57,10 +56,8 @@ class TeachingPanel:
         self._frame_plot = FramePlot(gui, page.session.task)
         self._pending: Recorded | None = None
         self._note = ""
-        self._reach = self._room()
-        self._gizmos = {
-            site: self._gizmo(name, site) for name, site in page.session.world.robot.hands.items()
-        }
+        hands, size = page.session.world.robot.hands, self._gizmo_size()
+        self._gizmos = {site: self._gizmo(name, site, size) for name, site in hands.items()}
         self._led: dict[str, int] = {}
         self._traces: list = []
         self._choose()
@@ -94,8 +91,12 @@ class TeachingPanel:
 
     def asked(self) -> str:
         """What a person is asked to show."""
-        asks = self._page.session.task.behaviours()[self._behaviour.value].asks
-        return asks or "Take a hand of the robot and lead it."
+        return self._asked.asks or "Take a hand of the robot and lead it."
+
+    @property
+    def _asked(self) -> Behaviour:
+        """The behaviour that is chosen."""
+        return self._page.session.task.behaviours()[self._behaviour.value]
 
     def follow(self) -> None:
         """Bring the gizmos to the hands, but those that somebody holds."""
@@ -120,7 +121,7 @@ class TeachingPanel:
             f"Better not: {fault}. Throw it away, and try again." if fault else "Well shown."
         )
 
-    def _room(self) -> float:
+    def _gizmo_size(self) -> float:
         """Size of gizmos [m] that do not overlap where the hands are at first."""
         session = self._page.session
         state = session.world.robot.at(session.situation.start)
@@ -128,9 +129,9 @@ class TeachingPanel:
         apart = [np.linalg.norm(one - other) for one, other in combinations(hands, 2)]
         return float(np.clip(0.5 * min(apart, default=1.0), *GIZMO))
 
-    def _gizmo(self, name: str, site: str):  # type: ignore[no-untyped-def]
+    def _gizmo(self, name: str, site: str, size: float):  # type: ignore[no-untyped-def]
         gizmo = self._page.server.scene.add_transform_controls(
-            f"/gizmo/{name}", self._reach, line_width=3.0, depth_test=False, visible=False
+            f"/gizmo/{name}", size, line_width=3.0, depth_test=False, visible=False
         )
 
         # A coroutine: phases are told in order.
@@ -152,9 +153,8 @@ class TeachingPanel:
 
     def _turn_to(self) -> None:
         """Show another behaviour, with what the other hand usually does then."""
-        usual = self._page.session.task.behaviours()[self._behaviour.value].others
         # Its callback chooses.
-        self._others.value = usual  # type: ignore[misc]  # mypy loses the setter of a generic base
+        self._others.value = self._asked.others  # type: ignore[misc]  # mypy loses the setter of a generic base
 
     def _teach(self) -> None:
         with self._page.session.lock:

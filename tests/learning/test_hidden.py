@@ -100,6 +100,19 @@ def test_where_nothing_is_hidden_the_answer_has_the_same_bits(truth):
     assert np.array_equal(whole.frames[1].mean, again.frames[1].mean)
 
 
+def test_masked_entries_count_as_missing_and_are_refused_where_they_are_said_to_be_seen(truth):
+    views, seen = drawn(truth, 50)
+    hidden = [np.ma.masked_array(v, np.zeros(v.shape, bool)) for v in views]
+    for view, told in zip(hidden, seen.T, strict=True):
+        view[~told] = np.ma.masked
+    plain, masked = (fit_tp_gmm(some, K, observed=seen) for some in (views, hidden))
+    assert np.array_equal(plain.history, masked.history)
+    first = int(seen[:, 1].argmax())
+    hidden[1][first] = np.ma.masked
+    with pytest.raises(ArgumentError, match=r"observations\[1\] has masked entries"):
+        fit_tp_gmm(hidden, K, observed=seen)
+
+
 @pytest.mark.parametrize("covariance", ["full", "diagonal", "spherical"])
 @pytest.mark.parametrize("seed", [0, 1])
 def test_the_likelihood_never_falls(truth, covariance, seed):

@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from tpsim import rotation
-from tpsim.border import Count, Positive, border
+from tpsim.border import Count, Duration, Positive, border
 from tpsim.checks import felt
 from tpsim.control.impedance import impedance
 from tpsim.control.system import integrator
@@ -108,7 +108,7 @@ class FiniteHorizon(RenewedImpedance):
         *,
         joints: Sequence[str],
         site: str,
-        dt: Positive,
+        dt: Duration,
         effort: Positive,
         period: Positive = PERIOD,
         chain: SemiMarkovChain | None = None,

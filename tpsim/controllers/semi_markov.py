@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from tpsim.border import Count, Positive, border
+from tpsim.border import Count, Duration, Positive, border
 from tpsim.checks import Seed, generator, instance
 from tpsim.control.constrained import constrained_lqt
 from tpsim.control.constraints import Constraint
@@ -76,7 +76,7 @@ class SemiMarkovTracking(RenewedImpedance):
         view: View,
         model: HSMM,
         *,
-        dt: Positive,
+        dt: Duration,
         effort: Positive,
         horizon: Count = 30,
         slip: Positive = 0.5,

@@ -109,7 +109,10 @@ def seen_by_frames(observations: object, observed: object = None) -> Seen:
     given: Sequence[object] = entries("observations", observations)
     mask = None
     if observed is not None and given:
-        arrays = [array_of(f"observations[{j}]", view) for j, view in enumerate(given)]
+        arrays = [
+            view if isinstance(view, np.ma.MaskedArray) else array_of(f"observations[{j}]", view)
+            for j, view in enumerate(given)
+        ]
         if all(array.ndim == 2 for array in arrays):
             mask = observed_of(observed, [len(arrays[0])], len(arrays))
             given = filled(arrays, mask)

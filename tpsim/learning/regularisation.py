@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tpsim.errors import ArgumentError
-from tpsim.gaussian import add_ridge, symmetric
+from tpsim.gaussian import symmetric
 from tpsim.learning.moments import Moments
 from tpsim.learning.start import RESOLUTION
 
@@ -39,7 +39,7 @@ class Ridge:
 
     def scatter(self, S: np.ndarray) -> np.ndarray:
         """Covariance that the structure is fitted to."""
-        return add_ridge(S, self.rho)
+        return S + self.rho * np.eye(S.shape[-1])
 
     def full(self, covariance: np.ndarray) -> np.ndarray:
         """Limit full covariances (G, K, d, d): a ridge has none."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tpsim.border import Positive, border
+from tpsim.border import Duration, border
 from tpsim.checks import finite_array, shown
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
@@ -36,7 +36,7 @@ class Passage:
         self,
         chain: SemiMarkovChain,
         places: Gaussian,
-        dt: Positive,
+        dt: Duration,
         speed_deviation: np.ndarray | float,
     ):
         stays = np.round(chain.durations.mean[:, 0]).astype(int)

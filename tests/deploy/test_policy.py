@@ -238,8 +238,9 @@ def test_the_scene_in_the_folder_opens_in_mujoco(learned, folder_of):
     ("change", "words"),
     [
         ({"q": np.zeros(2)}, "q has shape (2,); the robot has 3 joints"),
-        ({"dq": [0, np.nan, 0]}, "the state of joint 'joint2' is not finite"),
-        ({"q": [np.inf, 0, 0]}, "the state of joint 'joint1' is not finite"),
+        ({"dq": [0, np.nan, 0]}, "the state of joint 'joint2' is nan, not finite"),
+        ({"q": [np.inf, 0, 0]}, "the state of joint 'joint1' is inf, not finite"),
+        ({"dq": [1e160, 0, 0]}, "joint 'joint1' is 1e+160, not finite or beyond all measure"),
         ({"time": np.nan}, "time is nan"),
         ({"objects": {}}, "object 'first' is missing; the policy needs the poses of first, second"),
         ({"second": ((0, 1), (1, 0, 0, 0))}, "object 'second' has parts of shapes"),

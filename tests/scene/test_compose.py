@@ -122,8 +122,8 @@ def test_a_camera_is_placed_by_the_robots_size():
 
 
 def test_unknown_model_names_those_that_exist():
-    with pytest.raises(SimulationError, match=r"no model 'teapot'.*baxter.*cup.*sugar"):
-        parts.read("teapot")
+    with pytest.raises(SimulationError, match=r"'pot': no model 'teapot'.*baxter.*cup.*sugar"):
+        parts.read("teapot", "pot")
 
 
 def test_unknown_site_names_those_that_exist():

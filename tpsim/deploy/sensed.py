@@ -23,6 +23,9 @@ velocity (6,): linear [m/s] over angular [rad/s], in the world's axes."""
 UNIT = 1e-6
 """Deviation of a quaternion's length from one up to which it is taken as it is."""
 
+BEYOND = 1e9
+"""Angle [rad] and speed [rad/s] of which no encoder speaks the truth."""
+
 
 def objects_in(value: object) -> Iterator[str]:
     """Names of the objects that the views in a recipe look from or at."""
@@ -67,11 +70,14 @@ def sensed(
     known = objects if isinstance(objects, Objects) else _objects(objects)
     for name, part in (("q", q), ("dq", dq)):
         seen = array_of(name, part)
-        if seen.dtype.kind == "f" and seen.shape == (robot.n,) and not np.isfinite(seen).all():
-            joint = robot.joints[int(np.argmin(np.isfinite(seen)))]
-            raise ArgumentError(
-                f"{name}: the state of joint '{joint}' is not finite; stop the robot"
-            )
+        if seen.dtype.kind == "f" and seen.shape == (robot.n,):
+            known_to = np.abs(seen) < BEYOND
+            if not known_to.all():
+                joint = int(np.argmin(known_to))
+                raise ArgumentError(
+                    f"{name}: the state of joint '{robot.joints[joint]}' is {seen[joint]:.3g}, not "
+                    "finite or beyond all measure; stop the robot"
+                )
     return robot.at(q, dq, known, number("time", time, least=0))
 
 

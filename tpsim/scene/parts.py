@@ -10,20 +10,22 @@ from tpsim.errors import SimulationError
 from tpsim.paths import MODELS
 
 
-def read(name: str) -> mujoco.MjSpec:
-    """Read a model: ``models/<name>.xml`` of tpsim, another MJCF file, or MJCF text.
+def read(model: str, name: str) -> mujoco.MjSpec:
+    """Read the model of object ``name``: ``models/<model>.xml`` of tpsim, an MJCF file, or MJCF.
 
     Raises
     ------
     SimulationError
         If there is no such model; the message names those that exist.
     """
-    if name.lstrip().startswith("<"):
-        return mujoco.MjSpec.from_string(name)
-    path = Path(name) if name.endswith(".xml") else MODELS / f"{name}.xml"
+    if model.lstrip().startswith("<"):
+        return mujoco.MjSpec.from_string(model)
+    path = Path(model) if model.endswith(".xml") else MODELS / f"{model}.xml"
     if not path.is_file():
         known = ", ".join(sorted(p.stem for p in MODELS.glob("*.xml"))) or "none"
-        raise SimulationError(f"no model {name!r} in {MODELS}: known models are {known}")
+        raise SimulationError(
+            f"object or held {name!r}: no model {model!r} in {MODELS}: known models are {known}"
+        )
     return mujoco.MjSpec.from_file(str(path))
 
 
@@ -182,7 +184,7 @@ def _attach(
 
     MjSpec cannot save models attached without a prefix, so all other names get ``<name>_``.
     """
-    child = read(model)
+    child = read(model, name)
     (body,) = child.worldbody.bodies
     if size != 1.0:
         for geom in child.geoms:

@@ -111,7 +111,7 @@ def _robot(book: Book) -> None:
     add(
         "lab.Arms",
         lab.Arms,
-        takes={name: {"no dict"} for name in ("torque_limit", "velocity_limit", "home")},
+        takes={name: {"dict", "no dict"} for name in ("torque_limit", "velocity_limit", "home")},
         words=("limits", "file", "MJCF", "arms"),
         file=ARM,
         grippers={"left": grip},

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from tpsim.archive import Stored
 from tpsim.checks import (
+    LARGEST,
     affordable,
     entries,
     finite_array,
@@ -148,6 +149,11 @@ class Frame(Stored):
                 f"origin has shape {b.shape} and orientation {turn.shape}; give numbers, or "
                 f"({D}, {D}) and ({axes}, {axes})"
             )
+        for name, part in (("x", moved), ("orientation", turn)):
+            if part.size and np.abs(part).max() > LARGEST:
+                raise ArgumentError(
+                    f"{name} reaches {np.abs(part).max():.1e}; give {LARGEST:.0e} at most"
+                )
         found = np.broadcast_to(b * np.eye(D) if b.ndim == 0 else b, (*moved.shape, D))
         if not turn.any():
             return found.copy()

@@ -71,9 +71,9 @@ def sensed(
     for name, part in (("q", q), ("dq", dq)):
         seen = array_of(name, part)
         if seen.dtype.kind == "f" and seen.shape == (robot.n,):
-            known_to = np.abs(seen) < BEYOND
-            if not known_to.all():
-                joint = int(np.argmin(known_to))
+            plausible = np.abs(seen.astype(float, copy=False)) < BEYOND
+            if not plausible.all():
+                joint = int(np.argmin(plausible))
                 raise ArgumentError(
                     f"{name}: the state of joint '{robot.joints[joint]}' is {seen[joint]:.3g}, not "
                     "finite or beyond all measure; stop the robot"

@@ -53,7 +53,12 @@ def low_pass(time: ArrayLike, values: ArrayLike, cutoff: float) -> Floats:
     if not timeline.evenly_spaced(time):
         raise ArgumentError("time is spaced unevenly; give even stamps, as Demonstration.resampled")
     rate = (len(time) - 1) / (time[-1] - time[0])
-    cutoff = number("cutoff", cutoff, above=SLOWEST * rate, below=rate / 2)
+    cutoff = number(
+        f"cutoff [Hz], of {rate:.3g} samples by time [s],",
+        cutoff,
+        above=SLOWEST * rate,
+        below=rate / 2,
+    )
     sections = butter(ORDER, cutoff, fs=rate, output="sos")
     # As long as the filter remembers, where the movement is as long as that.
     ends = min(len(time) - 1, round(3 * rate / cutoff))

@@ -10,7 +10,6 @@ from tpsim.border import border, checked
 from tpsim.errors import SimulationError
 from tpsim.robot.state import State
 from tpsim.world.object_path import put_objects
-from tpsim.world.people.demonstrator import TeacherName
 from tpsim.world.people.guide import Guide
 from tpsim.world.teaching import Lesson, Teacher
 from tpsim.world.weightless import DAMPING
@@ -168,8 +167,3 @@ def _asked(
         for part, most in zip(np.split(missing, 2)[: rows.stop // 3], BEHIND, strict=False)
     )
     return J[rows], (twist + FOLLOWS * missing)[rows], behind
-
-
-def considered(teacher: Teacher, name: TeacherName) -> Teacher:
-    """A teacher as its hands allow: people look ahead, firm hands try."""
-    return Rehearsed(teacher) if name == "human" else teacher

@@ -30,7 +30,7 @@ from tpsim.tasks.workplace import (
     with_spare_joints,
 )
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
-from tpsim.world.rehearsal import considered
+from tpsim.world.rehearsal import Rehearsed
 from tpsim.world.world import World
 
 HELD = {
@@ -116,7 +116,7 @@ class CupAndSugar(Task):
         return {
             name: Behaviour(
                 with_spare_joints(_ROOMS[name].VIEWS, self.stage.robot),
-                considered(partial(_ROOMS[name].lesson, **shown), self.teacher),
+                Rehearsed(partial(_ROOMS[name].lesson, **shown)),
                 fit,
                 goals[name],
                 CUTOFF[self.teacher],

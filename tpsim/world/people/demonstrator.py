@@ -5,11 +5,11 @@ Where the numbers are from is said in ``docs/teacher.md``.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
-from tpsim.border import Count, NotNegative, border, checked
+from tpsim.border import NotNegative, Range, border, checked
 from tpsim.errors import ArgumentError
 from tpsim.world.people.guide import Grip
 from tpsim.world.people.script import Variation
@@ -53,7 +53,9 @@ class Demonstrator:
             raise ArgumentError(f"reaction is {self.reaction} s; give two rising times below 1 s")
 
     @border
-    def sights(self, rng: np.random.Generator, hands: Count = 1) -> tuple[Sight | None, ...]:
+    def sights(
+        self, rng: np.random.Generator, hands: Annotated[int, Range(least=1, most=100)] = 1
+    ) -> tuple[Sight | None, ...]:
         """How this person sees ``hands`` hands of one lesson; None for one that needs no sight."""
         if not self.reaction[1]:
             return (None,) * hands

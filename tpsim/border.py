@@ -107,7 +107,10 @@ def checked(value: object) -> None:
     kind: Any = type(value)
     for name, label, read_field in _fields_of(kind):
         given = getattr(value, name)
-        found = _kept(read_field(label, given))
+        try:
+            found = _kept(read_field(label, given))
+        except RecursionError:
+            raise ArgumentError(f"{label} is {checks.shown(given)}; it holds itself") from None
         if found is not given:
             object.__setattr__(value, name, found)
 

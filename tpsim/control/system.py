@@ -1,12 +1,12 @@
 """Linear dynamics for optimal control: integrator chains (Eq. 33) and any A, B."""
 
 from dataclasses import dataclass
-from math import factorial
+from math import factorial, isqrt
 
 import numpy as np
 
 from tpsim.archive import Stored
-from tpsim.checks import affordable, finite_array, flag, frozen_array, number, whole
+from tpsim.checks import ROOM, finite_array, flag, frozen_array, number, whole
 from tpsim.errors import ArgumentError
 
 
@@ -129,8 +129,12 @@ def integrator(
         If dim or order is below one, or dt is not positive.
 
     """
-    order = whole("order", order, least=1)
-    dim = affordable("dim", dim, order**2 * int(whole("dim", dim, least=1)))
+    order, dim = whole("order", order, least=1), whole("dim", dim, least=1)
+    if (order * dim) ** 2 > ROOM:
+        raise ArgumentError(
+            f"dim is {dim} and order {order}: {dim * order} states; give at most {isqrt(ROOM)}, "
+            "dim times order"
+        )
     if dt is not None:
         dt = number("dt", dt, above=0, what="step [s]")
     if dt is None:

@@ -174,7 +174,7 @@ class Clip:
             tails += [("point", arrow.point, ((3,),)), ("force", arrow.force, ((3,),))]
         for shape in self.ellipsoids:
             tails += [("centre", shape.centre, ((3,),)), ("stiffness", shape.stiffness, ((3, 3),))]
-        tails += [(name, pose, ((3,), (7,))) for name, pose in self.objects.items()]
+        tails += [(f"object {name}", p, ((3,), (7,))) for name, p in self.objects.items()]
         tails += [(reading.name, reading.values, ((),)) for reading in self.readings]
         if self.close is not None:
             tails.append(("close", self.close, ((3,),)))

@@ -144,7 +144,7 @@ class SemiMarkovChain(Part):
             Where a part visits no state, or one that is not there.
         """
         K = affordable("components", components)
-        spread = number("spread", spread, least=0)
+        spread = number("spread", spread, least=0, below=1e6)
         given = entries("sequences", sequences)
         parts = [visited(f"sequences[{m}]", part, K) for m, part in enumerate(given)]
         if not parts:

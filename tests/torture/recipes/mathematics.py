@@ -660,7 +660,7 @@ def _retrieval(book: Book) -> None:
     add(
         "fuse_frames",
         tp.fuse_frames,
-        words=("noise", "frame"),
+        words=("noise", "frame", "mean reaches"),
         views=[SEVERAL, SEVERAL],
         frames=FRAMES,
     )

@@ -66,7 +66,9 @@ def observed_of(observed: object, lengths: Sequence[int], frames: int) -> np.nda
 
 
 def _is_one(observed: object) -> bool:
-    return not isinstance(observed, list | tuple) or (bool(observed) and np.ndim(observed[0]) == 1)
+    if not isinstance(observed, list | tuple):
+        return True
+    return bool(observed) and array_of("observed[0]", observed[0]).ndim == 1
 
 
 def filled(views: Sequence[np.ndarray], observed: np.ndarray | None) -> list[np.ndarray]:

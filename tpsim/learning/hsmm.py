@@ -6,13 +6,14 @@ demo_trajHSMM01.
 
 from collections.abc import Sequence
 
-from tpsim.checks import Seed, number
+from tpsim.border import read
+from tpsim.checks import Seed
 from tpsim.learning.fit import Start
 from tpsim.learning.fit_states import Emissions, Sequences, fit_states
 from tpsim.learning.hidden import Observed
 from tpsim.learning.hmm import HiddenStates
 from tpsim.learning.markov import Topology
-from tpsim.learning.semi_markov import SemiMarkovChain
+from tpsim.learning.semi_markov import SemiMarkovChain, Spread
 from tpsim.learning.subspace import Structure
 from tpsim.manifold.manifold import Manifold
 
@@ -86,7 +87,7 @@ def fit_hsmm(
     to their variance: here every demonstration is its own sequence, durations are re-estimated
     by EM from all segmentations, and ``duration_spread`` is the only floor.
     """
-    duration_spread = number("duration_spread", duration_spread, least=0)
+    duration_spread = read("duration_spread", duration_spread, Spread)
 
     def chain_of(components: int, topology: Topology, stay: float) -> SemiMarkovChain:
         return SemiMarkovChain.of(components, topology, stay, duration_spread)

@@ -108,6 +108,7 @@ def _memory_of(model: TPGMM, views: list[np.ndarray]) -> Memory:
     dims = tuple(view.shape[1] for view in views)
     if dims != model.dims:
         raise ArgumentError(
-            f"the new data have views of dimensions {dims}; the model's frames have {model.dims}"
+            f"the new demonstrations have views of dimensions {dims}; the model's frames have "
+            f"{model.dims}"
         )
     return memory

@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tpsim.archive import Part
-from tpsim.border import Count, NotNegative, Positive, Steps, border
+from tpsim.border import Count, Positive, Range, Steps, border, read
 from tpsim.checks import affordable, entries, instance, number
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
@@ -32,6 +33,9 @@ from tpsim.learning.segments import (
     occupancy,
     viterbi_segments,
 )
+
+Spread = Annotated[float, Range(least=0, most=1e6)]
+"""Deviation of a duration, as a share of the mean stay."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +84,7 @@ class SemiMarkovChain(Part):
     @classmethod
     @border
     def of(
-        cls, components: Count, topology: Topology, stay: Positive, spread: NotNegative
+        cls, components: Count, topology: Topology, stay: Positive, spread: Spread
     ) -> "SemiMarkovChain":
         """Chain in which a stay lasts ``stay`` steps, see :func:`.markov.successors`.
 
@@ -98,7 +102,7 @@ class SemiMarkovChain(Part):
 
     @classmethod
     @border
-    def along(cls, states: object, spread: NotNegative = 0.1) -> "SemiMarkovChain":
+    def along(cls, states: object, spread: Spread = 0.1) -> "SemiMarkovChain":
         """Chain of the stays of one sequence of states (T,), one after the other.
 
         Its states are the runs of equal numbers, in their order; a duration deviates by ``spread``
@@ -144,7 +148,7 @@ class SemiMarkovChain(Part):
             Where a part visits no state, or one that is not there.
         """
         K = affordable("components", components)
-        spread = number("spread", spread, least=0, below=1e6)
+        spread = read("spread", spread, Spread)
         given = entries("sequences", sequences)
         parts = [visited(f"sequences[{m}]", part, K) for m, part in enumerate(given)]
         if not parts:

@@ -276,7 +276,7 @@ def _learning(book: Book) -> None:
     add(
         "fit_tp_gmm",
         tp.fit_tp_gmm,
-        words=("observation", "sample"),
+        words=("observation", "sample", "component"),
         demonstrations=DEMONSTRATIONS,
         components=2,
         covariance="full",
@@ -290,7 +290,7 @@ def _learning(book: Book) -> None:
     add(
         "fit_tp_gmm",
         tp.fit_tp_gmm,
-        words=("observation", "sample"),
+        words=("observation", "sample", "component"),
         demonstrations=PATHS,
         components=2,
         covariance=tp.HDDC(1),

@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from tpsim.errors import ArgumentError
+from tpsim.study.lending import Lender
 from tpsim.study.workers import Death, Workers
 
 
@@ -150,3 +151,43 @@ def test_no_worker_outlives_its_driver(tmp_path, how):
     assert driver.returncode != 0
     assert gone(worker)
     assert "Process" not in said
+
+
+def told(factor):
+    return lambda x: (factor * x, os.getpid())
+
+
+def dying(_):
+    return lambda x: os.kill(os.getpid(), signal.SIGKILL) if x else os.getpid()
+
+
+def test_the_same_processes_serve_one_function_after_the_other_and_end_with_the_lender():
+    seen = []
+    with Lender(2) as lender:
+        for factor in (10, 3):
+            with Workers(2, told, factor, lender) as workers:
+                results = list(workers.map(range(6)))
+            assert [value for value, _ in results] == [factor * x for x in range(6)]
+            seen.append({pid for _, pid in results})
+    assert seen[0] | seen[1] == seen[0] and os.getpid() not in seen[0]
+    assert all(gone(pid) for pid in seen[0])
+
+
+def test_a_worker_that_dies_is_replaced_for_those_who_come_after():
+    with Lender(2) as lender:
+        with Workers(2, dying, None, lender) as workers:
+            first, lost = list(workers.map([0, 1]))
+        assert isinstance(lost, Death)
+        with Workers(2, told, 2, lender) as workers:
+            (value, pid), *_ = list(workers.map([4, 5]))
+        assert value == 8 and pid != first
+    assert gone(pid)
+
+
+def test_an_error_ends_all_processes_at_once():
+    pids = []
+    with pytest.raises(KeyboardInterrupt), Lender(2) as lender:
+        with Workers(2, told, 1, lender) as workers:
+            pids = [pid for _, pid in workers.map(range(4))]
+        raise KeyboardInterrupt
+    assert all(gone(pid) for pid in pids)

@@ -15,31 +15,35 @@ from tpsim.study.files.run import Run, load_run, open_run
 from tpsim.study.recording import say
 from tpsim.study.study import Study
 from tpsim.study.teaching_files import write_demonstrations
-from tpsim.study.workers import Death, Workers
+from tpsim.study.workers import Death, Executors, Workers
 from tpsim.task.verbs import learn
 from tpsim.whole import whole_folder
 from tpsim.world.threads import one_thread
 
 
-def prepare(folder: Folder, study: Study, numbers: Sequence[int], workers: int) -> None:
+def prepare(
+    folder: Folder, study: Study, numbers: Sequence[int], workers: int, executor: Executors
+) -> None:
     """Teach and learn those lessons that are not there yet, side by side."""
     missing = [n for n in numbers if not folder.lesson(n).is_dir()]
     if len(missing) < workers or workers == 1:
         for number in missing:
-            make(folder, study, workers, number)
+            make(folder, study, workers, executor, number)
         return
-    with Workers(min(workers, len(missing)), _maker, (folder, study)) as pool:
+    with Workers(workers, _maker, (folder, study), executor) as pool:
         for number, found in zip(missing, pool.map(missing), strict=True):
             if isinstance(found, Death):
                 raise SimulationError(f"lesson {number} was not taught: {found}")
 
 
 def _maker(given: tuple[Folder, Study]) -> "partial[None]":
-    return partial(make, *given, 1)
+    return partial(make, *given, 1, None)
 
 
 @one_thread()
-def make(folder: Folder, study: Study, workers: int, number: int) -> None:
+def make(
+    folder: Folder, study: Study, workers: int, executor: Executors | None, number: int
+) -> None:
     """Teach and learn one lesson, unless another process just did."""
     campaign = folder.campaign
     own = lesson(campaign, number)
@@ -48,7 +52,7 @@ def make(folder: Folder, study: Study, workers: int, number: int) -> None:
     study = with_fields(study, fields)
     if campaign.labs > 1:
         say(f"lesson {number + 1} of {campaign.labs}: teacher {own.teacher}, {fields or 'as is'}")
-    shown = teaching.taught_all(study, int(count), own.teacher, workers)  # type: ignore[call-overload]
+    shown = teaching.taught_all(study, int(count), own.teacher, workers, executor)  # type: ignore[call-overload]
     taught = {behaviour: found.trials for behaviour, found in shown.items()}
     models = learn(study.task, taught)
     command = folder.file.command

@@ -2,8 +2,7 @@
 
 import sys
 import time
-from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
+from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -21,13 +20,12 @@ from tpsim.campaign.progress import NAME, ProgressPage, arrive
 from tpsim.campaign.table import FAILED, Row, write_table
 from tpsim.errors import ArgumentError
 from tpsim.extras import extra
+from tpsim.study.lending import Lender
 from tpsim.study.recording import Answer, say
 from tpsim.study.reference import load_study
 from tpsim.study.study import Study
-from tpsim.study.workers import Death, Workers
+from tpsim.study.workers import Death, Executors, Workers
 from tpsim.tasks import STUDIES
-
-Executors = Callable[[int], Executor]
 
 
 @border
@@ -93,16 +91,20 @@ def campaign(
     began = time.monotonic()
     todo = [k for k in _missing(opened, retry) if k % shard[1] == shard[0] % shard[1]]
     needed = sorted({number for block in todo for number in lessons_of(described, block)})
-    lessons.prepare(opened, base, needed, workers)
-    taught = time.monotonic()
-    count = 1 if executor is None and (workers == 1 or len(todo) < 2) else workers
-    try:
-        done = _performed(opened, base, todo, count, executor, progress)
-    except BaseException as error:
-        opened.sweep()
-        if isinstance(error, KeyboardInterrupt):
-            error.add_note(f"finished trials are kept in {opened.path}, the same command goes on")
-        raise
+    with Lender(workers) as lender:
+        lessons.prepare(opened, base, needed, workers, lender)
+        taught = time.monotonic()
+        count = 1 if executor is None and (workers == 1 or len(todo) < 2) else workers
+        executor = lender if executor is None and count > 1 else executor
+        try:
+            done = _performed(opened, base, todo, count, executor, progress)
+        except BaseException as error:
+            opened.sweep()
+            if isinstance(error, KeyboardInterrupt):
+                error.add_note(
+                    f"finished trials are kept in {opened.path}, the same command goes on"
+                )
+            raise
     wall = time.monotonic() - taught
     return {
         **report.standing(opened),

@@ -2,7 +2,6 @@
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.signal import butter, sosfiltfilt
 
 from tpsim import timeline
 from tpsim.checks import Floats, column_or_matrix, number, stamps
@@ -45,6 +44,8 @@ def low_pass(time: ArrayLike, values: ArrayLike, cutoff: float) -> Floats:
         Uneven stamps, fewer than two samples, or a cutoff that is not below half of the rate and
         above a millionth of it.
     """
+    from scipy.signal import butter, sosfiltfilt  # slow to import: only people's hands need it
+
     time, rows = stamps("time", time), column_or_matrix("values", values)
     if len(rows) != len(time) or len(time) < 2:
         raise ArgumentError(

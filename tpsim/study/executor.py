@@ -11,7 +11,7 @@ from tpsim.study.condition import Condition
 from tpsim.study.files.about import Performed, TaskFile
 from tpsim.study.files.checked import plain
 from tpsim.study.study import Study
-from tpsim.study.workers import Death, Workers
+from tpsim.study.workers import Death, Executors, Workers
 from tpsim.task.task import Models
 from tpsim.task.verbs import perform, perform_beside
 from tpsim.world.impedance import Controller
@@ -152,6 +152,7 @@ def perform_each(
     conditions: Sequence[Condition],
     keep: Keep[T],
     workers: int = 1,
+    executor: Executors | None = None,
 ) -> Iterator[T | Death]:
     """Perform conditions, and keep of every trial what ``keep`` makes of it where it was performed.
 
@@ -161,6 +162,8 @@ def perform_each(
         As for :func:`perform_all`.
     keep : callable
         What it returns travels from the worker to this process.
+    executor : callable, optional
+        As for :class:`~tpsim.study.workers.Workers`, where there are several.
 
     Yields
     ------
@@ -175,7 +178,7 @@ def perform_each(
     made: _Made[T] = (study, dict(models), keep, None)
     if count > 1:
         made = (*made[:3], (world.xml, world.description, dict(world.assets)))
-    with Workers(count, _open, made) as pool:
+    with Workers(count, _open, made, executor if count > 1 else None) as pool:
         yield from pool.map(list(enumerate(conditions)))
 
 

@@ -14,7 +14,7 @@ from tpsim.study.files.stored import Stub
 from tpsim.study.measure import concerns
 from tpsim.study.record import Lost, Record, Records
 from tpsim.study.study import Study
-from tpsim.study.workers import Death
+from tpsim.study.workers import Death, Executors
 from tpsim.task.task import Models
 from tpsim.whole import sweep
 from tpsim.world.trial import Trial
@@ -60,6 +60,7 @@ def record_all(
     conditions: Sequence[Condition],
     workers: int = 1,
     tick: Callable[[], object] | None = None,
+    executor: Executors | None = None,
 ) -> None:
     """Perform conditions and add them to the records.
 
@@ -68,7 +69,7 @@ def record_all(
     """
     first = len(records) + len(records.lost)
     keep = partial(_write_and_measure, run, first)
-    kept = perform_each(study, records.models, conditions, keep, workers)
+    kept = perform_each(study, records.models, conditions, keep, workers, executor)
     for number, (condition, found) in enumerate(zip(conditions, kept, strict=True), first):
         if isinstance(found, Death):
             records.lost.append(Lost(number, condition, str(found)))

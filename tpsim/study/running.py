@@ -17,12 +17,14 @@ from tpsim.film.video import film as write_film
 from tpsim.study import clips, figures, fronts, learned, series, teaching
 from tpsim.study.embedded import embedded
 from tpsim.study.files.run import DEMONSTRATIONS, Run
+from tpsim.study.lending import Lender
 from tpsim.study.measure import Result
 from tpsim.study.record import Records
 from tpsim.study.recording import Answer, kept_or_removed, open_folder, record_all, say
 from tpsim.study.report import Section, write_report
 from tpsim.study.study import Lab, Phases, Plan, Study
 from tpsim.study.teaching_files import write_demonstrations
+from tpsim.study.workers import Executors
 from tpsim.task.verbs import learn
 from tpsim.world.threads import one_thread
 
@@ -43,6 +45,7 @@ def run(
     progress: bool = False,
     command: str = "",
     look: Look | None = None,
+    executor: Executors | None = None,
 ) -> Answer:
     """The whole job of a study: teach, learn, perform every condition, film and report.
 
@@ -63,6 +66,9 @@ def run(
         What was typed, for people who read the folder and the report.
     look : callable, optional
         ``look(lab, records, results)`` is shown what came out.
+    executor : callable, optional
+        Makes an executor of so many workers; by default processes of this run, which serve
+        teaching and performing.
 
     Returns
     -------
@@ -78,8 +84,9 @@ def run(
     settings = {"plan": asdict(plan), "demonstrations": task.demonstrations}
     where = None if folder is None else Path(folder)
     opened = open_folder(study, command, settings, plan.seed, where)
-    with kept_or_removed(opened.folder):
-        shown = teaching.taught_all(study, task.demonstrations, plan.seed, workers)
+    with kept_or_removed(opened.folder), Lender(workers) as lender:
+        executor = executor or lender
+        shown = teaching.taught_all(study, task.demonstrations, plan.seed, workers, executor)
         taught = {behaviour: found.trials for behaviour, found in shown.items()}
         for behaviour, trials in taught.items():
             place = opened.folder / DEMONSTRATIONS / behaviour
@@ -87,7 +94,8 @@ def run(
         models = learn(task, taught)
         opened.save_models(models)
         lab = Lab(study, models, taught)
-        records = _experiment(opened, lab, plan, workers, progress)
+        records = _experiment(opened, lab, plan, workers, executor, progress)
+        lender.end(at_once=False)
         say("measuring")
         results = figures.results(lab, records)
         if look is not None:
@@ -115,7 +123,9 @@ def run(
         }
 
 
-def _experiment(run: Run, lab: Lab, plan: Plan, workers: int, progress: bool) -> Records:
+def _experiment(
+    run: Run, lab: Lab, plan: Plan, workers: int, executor: Executors, progress: bool
+) -> Records:
     records, phases = Records(lab.task, lab.models), _phases(lab, plan)
     conditions = next(phases, [])
     while True:
@@ -123,7 +133,8 @@ def _experiment(run: Run, lab: Lab, plan: Plan, workers: int, progress: bool) ->
         say(f"{len(conditions)} trials: {labels}")
         bar = tqdm(total=len(conditions), file=sys.stderr) if progress else None
         with bar or nullcontext():
-            record_all(run, lab.study, records, conditions, workers, bar and bar.update)
+            tick = bar and bar.update
+            record_all(run, lab.study, records, conditions, workers, tick, executor)
         try:
             conditions = phases.send(records)
         except StopIteration:

@@ -11,6 +11,7 @@ from scipy.stats import binomtest
 from tpsim.errors import SimulationError
 from tpsim.study.files.checked import to_json
 from tpsim.study.files.run import run_folder
+from tpsim.study.lending import Lender
 from tpsim.study.measure import Measure, Result
 from tpsim.study.record import Records
 from tpsim.study.recording import Answer, say
@@ -76,29 +77,31 @@ def run_teachers(
             wholes.setdefault(result.name, []).append(result)
 
     seeds = []
-    for seed in range(plan.seed, plan.seed + teachers):
-        say(f"teacher {seed - plan.seed + 1} of {teachers}: seed {seed}")
-        try:
-            answer = run(
-                study,
-                replace(plan, seed=seed),
-                folder / f"teacher-{seed}",
-                workers=workers,
-                video=False,
-                command=command,
-                look=look,
-            )
-        except SimulationError as error:
-            say(f"the teacher of seed {seed} is left out: {error}")
-            failed.append({"seed": seed, "why": str(error)})
-            if len(failed) == teachers:
-                raise
-            continue
-        seeds.append(seed)
-        counts["trials"] += int(str(answer["trials"]))
-        lost += [{"seed": seed, **row} for row in cast(list[dict], answer["lost"])]
-        counts["situations"] += plan.situations
-        counts["refused_demonstrations"] += int(str(answer.get("refused_demonstrations", 0)))
+    with Lender(workers) as lender:
+        for seed in range(plan.seed, plan.seed + teachers):
+            say(f"teacher {seed - plan.seed + 1} of {teachers}: seed {seed}")
+            try:
+                answer = run(
+                    study,
+                    replace(plan, seed=seed),
+                    folder / f"teacher-{seed}",
+                    workers=workers,
+                    video=False,
+                    command=command,
+                    look=look,
+                    executor=lender,
+                )
+            except SimulationError as error:
+                say(f"the teacher of seed {seed} is left out: {error}")
+                failed.append({"seed": seed, "why": str(error)})
+                if len(failed) == teachers:
+                    raise
+                continue
+            seeds.append(seed)
+            counts["trials"] += int(str(answer["trials"]))
+            lost += [{"seed": seed, **row} for row in cast(list[dict], answer["lost"])]
+            counts["situations"] += plan.situations
+            counts["refused_demonstrations"] += int(str(answer.get("refused_demonstrations", 0)))
     measures = {m.name: m for m in study.all_measures}
     figures = {
         name: _together(measures.get(name), numbers.get(name), results)

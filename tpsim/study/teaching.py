@@ -13,7 +13,7 @@ from tpsim.study.recording import Answer, say
 from tpsim.study.report import Section
 from tpsim.study.study import Study
 from tpsim.study.teaching_files import add_demonstrations, check_place, read_demonstrations
-from tpsim.study.workers import Death, Workers
+from tpsim.study.workers import Death, Executors, Workers
 from tpsim.task.task import Models, Task
 from tpsim.task.verbs import Taught, show_once
 from tpsim.task.verbs import learn as learn_behaviours
@@ -159,14 +159,21 @@ def section(shown: Mapping[str, Shown]) -> Section:
     return Section("What was shown", TEXT, table=rows)
 
 
-def taught_all(study: Study, count: int, seed: int, workers: int = 1) -> dict[str, Shown]:
+def taught_all(
+    study: Study,
+    count: int,
+    seed: int,
+    workers: int = 1,
+    executor: Executors | None = None,
+) -> dict[str, Shown]:
     """Teach all behaviours, attempts side by side with several workers: no bit is another then.
 
     Standard error says how every attempt ends.
     """
     courses = {name: _course(name, count) for name in study.task.behaviours()}
     workers = min(workers, count * len(courses)) or 1
-    with Workers(workers, _teacher, (study.task, seed)) as pool:
+    executor = executor if workers > 1 else None
+    with Workers(workers, _teacher, (study.task, seed), executor) as pool:
         while jobs := [(name, k) for name, course in courses.items() for k in course.wanted]:
             for (name, attempt), found in zip(jobs, pool.map(jobs), strict=True):
                 if isinstance(found, Death):

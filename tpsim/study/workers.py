@@ -74,6 +74,10 @@ def processes(count: int) -> Executor:
         )
 
 
+Executors = Callable[[int], Executor]
+"""Makes an executor of so many workers."""
+
+
 class Workers(Generic[A, B]):
     """Applies one function to many arguments; a context that ends its processes.
 
@@ -97,7 +101,7 @@ class Workers(Generic[A, B]):
         count: int,
         make: Callable[[G], Callable[[A], B]],
         given: G,
-        executor: Callable[[int], Executor] | None = None,
+        executor: Executors | None = None,
         *,
         apart: bool = False,
     ):
@@ -172,14 +176,18 @@ class Workers(Generic[A, B]):
 
     def _end(self, *, at_once: bool) -> None:
         executor, self._executor = self._executor, None
-        if executor is None:
-            return
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            if at_once and "kill_workers" in inspect.signature(executor.shutdown).parameters:
-                executor.shutdown(kill_workers=True)  # type: ignore[call-arg]
-            else:
-                executor.shutdown()
+        if executor is not None:
+            shut_down(executor, at_once=at_once)
+
+
+def shut_down(executor: Executor, *, at_once: bool) -> None:
+    """End an executor; ``at_once`` kills its workers, where it can do so."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        if at_once and "kill_workers" in inspect.signature(executor.shutdown).parameters:
+            executor.shutdown(kill_workers=True)  # type: ignore[call-arg]
+        else:
+            executor.shutdown()
 
 
 def _collect(running: dict[Future, int], done: dict) -> list[int]:

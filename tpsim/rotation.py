@@ -196,13 +196,30 @@ def left_jacobian_inverse(w: ArrayLike) -> np.ndarray:
 def left_jacobian(w: ArrayLike) -> np.ndarray:
     """Map from the rate of ``log(R)`` to world angular velocity: (..., 3) -> (..., 3, 3)."""
     w = _turns(w)
-    angle = np.linalg.norm(w, axis=-1)[..., None, None]
+    first, second = _about(w)
     S = skew(w)
+    return np.eye(3) + first[..., None] * S + second[..., None] * (S @ S)
+
+
+def angular_velocity(w: ArrayLike, rate: ArrayLike) -> np.ndarray:
+    """World angular velocity (..., 3) of ``exp(w)`` whose rotation vector changes at a rate.
+
+    ``left_jacobian(w) @ rate``, without the matrices.
+    """
+    w, rate = _turns(w), _shaped("rate", rate, (3,))
+    first, second = _about(w)
+    across = np.cross(w, rate)
+    return rate + first * across + second * np.cross(w, across)
+
+
+def _about(w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Coefficients (..., 1) of the left Jacobian: of the cross-product matrix, and its square."""
+    angle = np.linalg.norm(w, axis=-1, keepdims=True)
     small = angle < 1e-4
     safe = np.where(small, 1.0, angle)
     first = np.where(small, 0.5 - angle**2 / 24, (1 - np.cos(safe)) / safe**2)
     second = np.where(small, 1 / 6 - angle**2 / 120, (safe - np.sin(safe)) / safe**3)
-    return np.eye(3) + first * S + second * (S @ S)
+    return first, second
 
 
 def tilt(R: ArrayLike, axis: ArrayLike = (0.0, 0.0, 1.0)) -> np.ndarray:

@@ -2,13 +2,16 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 import pinocchio as pin
+from scipy.linalg.lapack import dposv
 
 from tpsim.border import border, checked
 from tpsim.errors import SimulationError
 from tpsim.robot.state import State
+from tpsim.robot.views.nullspace import eye
 from tpsim.world.object_path import put_objects
 from tpsim.world.people.guide import Guide
 from tpsim.world.teaching import Lesson, Teacher
@@ -128,42 +131,42 @@ def _followed(world: World, lesson: Lesson) -> Iterator[tuple[np.ndarray, float,
 
     Beside each the largest share of a joint's speed that it takes, and whether a hand is behind.
     """
-    robot, taught = world.robot, _taught(world, lesson)
-    q, stride = np.array(lesson.start, float), round(STEP / world.timestep)
-    for k in range(0, round(lesson.duration / world.timestep), stride):
-        state = robot.at(q)
-        asked = [
-            _asked(guide, state, k * world.timestep, world.timestep)
-            for guide in lesson.guides
-            if isinstance(guide, Guide)  # who drags, has gone already where the arm goes
-        ]
-        J = np.concatenate([rows[:, taught] for rows, _, _ in asked])
+    robot, timestep = world.robot, world.timestep
+    taught = np.flatnonzero(_taught(world, lesson))
+    limit, damping = robot.velocity_limit[taught], DAMPING * np.eye(len(taught))
+    # Who drags, has gone already where the arm goes.
+    guides = [guide for guide in lesson.guides if isinstance(guide, Guide)]
+    q, stride = np.array(lesson.start, float), round(STEP / timestep)
+    for k in range(0, round(lesson.duration / timestep), stride):
+        state = State(robot, np.concatenate((q, np.zeros_like(q))))
+        asked = [_asked(guide, state, k * timestep, timestep) for guide in guides]
+        J = np.concatenate([rows for rows, _, _ in asked])[:, taught]
         velocity = np.concatenate([part for _, part, _ in asked])
-        sharing = state.mass[np.ix_(taught, taught)] + DAMPING * np.eye(taught.sum())
-        eased = np.linalg.solve(sharing, J.T)
-        dq = eased @ np.linalg.solve(J @ eased + LOCKED * np.eye(len(J)), velocity)
+        sharing = state.mass[taught[:, None], taught] + damping
+        eased = dposv(sharing, J.T)[1]
+        dq = eased.dot(dposv(J.dot(eased) + LOCKED * eye(len(J)), velocity)[1])
         q[taught] += STEP * dq
-        share = float((np.abs(dq) / robot.velocity_limit[taught]).max())
-        yield q, share, any(behind for _, _, behind in asked)
+        yield q, float((np.abs(dq) / limit).max()), any(behind for _, _, behind in asked)
 
 
 def _asked(
     guide: Guide, state: State, time: float, timestep: float
 ) -> tuple[np.ndarray, np.ndarray, bool]:
     """What a hand asks at a time [s]: Jacobian (d, n), velocity (d,), and whether it is behind."""
-    k = int(np.clip(round((time - guide.start) / timestep), 0, len(guide.path) - 1))
+    k = min(max(round((time - guide.start) / timestep), 0), len(guide.path) - 1)
     pose, other = state.pose(guide.site), guide.relative_to
-    frame = None if other is None else (state.pose(other), np.zeros(6))
+    frame = None if other is None else (state.pose(other), _STILL)
     (R, p), twist = guide.path.seen_from(frame, k)
-    missing = np.concatenate([p - pose.position, pin.log3(R @ pose.rotation.T)])
+    way, turn = p - pose.position, pin.log3(R.dot(pose.rotation.T))
     J = state.jacobian(guide.site)
     if other is not None:
         carried = state.jacobian(other)
-        arm = np.array(pin.skew(pose.position - state.pose(other).position))
-        J = J - np.vstack([carried[:3] - arm @ carried[3:], carried[3:]])
-    rows = slice(6 if guide.grip.angular_stiffness else 3)
-    behind = any(
-        np.linalg.norm(part) > most
-        for part, most in zip(np.split(missing, 2)[: rows.stop // 3], BEHIND, strict=False)
-    )
-    return J[rows], (twist + FOLLOWS * missing)[rows], behind
+        J = J - carried
+        J[:3] += pin.skew(pose.position - state.pose(other).position).dot(carried[3:])
+    turns = guide.grip.angular_stiffness > 0
+    behind = sqrt(way.dot(way)) > BEHIND[0] or (turns and sqrt(turn.dot(turn)) > BEHIND[1])
+    rows = 6 if turns else 3
+    return J[:rows], (twist + FOLLOWS * np.concatenate((way, turn)))[:rows], behind
+
+
+_STILL = np.zeros(6)

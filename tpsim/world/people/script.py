@@ -1,6 +1,7 @@
 """Scripted paths of a person's hand: minimum jerk through via poses, with human variation."""
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Annotated
 
 import numpy as np
@@ -125,14 +126,15 @@ def script(
     turns = rotation.log(rotations @ rotations[0].T)
     curve = minimum_jerk(via_times, np.hstack([positions, turns]))
     pose, velocity = curve(phase), curve(phase, 1) * rate[:, None]
-    # omega = left Jacobian of the rotation vector times its rate.
-    omega = np.linalg.solve(rotation.left_jacobian_inverse(pose[:, 3:]), velocity[:, 3:, None])
+    omega = rotation.angular_velocity(pose[:, 3:], velocity[:, 3:])
     fade = np.clip(10 * np.minimum(phase, 1 - phase), 0, 1)[:, None]
-    twist = np.hstack([velocity[:, :3], omega[..., 0]])
+    twist = np.hstack([velocity[:, :3], omega])
     moved, turned = wandering(twist, timestep, rng, variation, care)
+    # As one product of two matrices: of many small ones it takes ten times as long.
+    intended = (rotation.exp(pose[:, 3:]).reshape(-1, 3) @ rotations[0]).reshape(-1, 3, 3)
     return HandPath(
         pose[:, :3] + fade * moved,
-        rotation.exp(fade * turned) @ rotation.exp(pose[:, 3:]) @ rotations[0],
+        rotation.exp(fade * turned) @ intended,
         twist[:, :3],
         twist[:, 3:],
     )
@@ -225,15 +227,24 @@ def _tremor(rng, steps, timestep, deviation, variation):
     """Tremor (steps, 3): in its band of frequencies where it has one, else fast wandering."""
     if variation.tremor_band is None:
         return _wander(rng, steps, timestep, deviation, variation.tremor_time)
-    from scipy.signal import butter, sosfilt
+    from scipy.signal import sosfilt
 
-    band = butter(2, variation.tremor_band, "bandpass", fs=1 / timestep, output="sos")
     # Two seconds ahead, so that the filter has settled.
     ahead = round(2 / timestep)
+    band, gain = _band(variation.tremor_band, timestep, ahead)
     noise = sosfilt(band, rng.standard_normal((steps + ahead, 3)), axis=0)[ahead:]
-    impulse = np.zeros(ahead)
+    return deviation / gain * noise
+
+
+@cache
+def _band(limits, timestep, settled):
+    """Bandpass filter in second-order sections, and its deviation for white noise of one."""
+    from scipy.signal import butter, sosfilt
+
+    band = butter(2, limits, "bandpass", fs=1 / timestep, output="sos")
+    impulse = np.zeros(settled)
     impulse[0] = 1.0
-    return deviation / np.linalg.norm(sosfilt(band, impulse)) * noise
+    return band, np.linalg.norm(sosfilt(band, impulse))
 
 
 @border

@@ -63,7 +63,7 @@ def with_plants(
     study: Study,
     plants: Mapping[str, Plant] = PLANTS,
     of: str = "pushed",
-    controllers: Sequence[str] = ("learned",),
+    controllers: Sequence[str] | None = None,
 ) -> Study:
     """The same study with one more phase: the trials of a label on every plant.
 
@@ -75,8 +75,8 @@ def with_plants(
     plants : mapping of str to Plant
     of : str
         Label of the nominal trials that are performed on the plants, too.
-    controllers : sequence of str
-        Whose trials these are.
+    controllers : sequence of str, optional
+        Whose trials these are; by default those of what was learned.
     """
     asked = study.conditions
 
@@ -89,11 +89,12 @@ def with_plants(
                 found = phases.send(records)
             except StopIteration:
                 break
-        chosen = [r.condition for name in controllers for r in records.select(of, name)]
+        names = _learned(records) if controllers is None else controllers
+        chosen = [r.condition for name in names for r in records.select(of, name)]
         if not chosen:
             raise ArgumentError(
-                f"the study has no trials '{of}' to perform on other plants; it has "
-                + ", ".join(dict.fromkeys(r.condition.label for r in records))
+                f"the study has no trials '{of}' of {', '.join(names)} to perform on other plants; "
+                "it has " + ", ".join(dict.fromkeys(r.condition.label for r in records))
             )
         yield list(on_plants(chosen, plants))
 
@@ -134,7 +135,7 @@ def table(
     counted = [m for m in measures if m.of is not None and _counts(m, of)]
     rows = []
     for name, group in {"nominal": of, **{name: label(name) for name in plants}}.items():
-        found = [r for r in records.select(group, "learned")]
+        found = [r for one in _learned(records) for r in records.select(group, one)]
         row: dict[str, object] = {"plant": name, "trials": len(found)}
         for measure in counted:
             value = replace(measure, label=group, otherwise=None).figure(records)
@@ -147,7 +148,12 @@ def table(
 
 def _counts(measure: Measure, of: str) -> bool:
     labels = (measure.label,) if isinstance(measure.label, str) else measure.label
-    return measure.controller == "learned" and (labels is None or of in labels)
+    return measure.controller in (None, "learned") and (labels is None or of in labels)
+
+
+def _learned(records: Records) -> tuple[str, ...]:
+    """Controllers of what was learned: of all behaviours, or of each that is performed apart."""
+    return ("learned", *records.task.behaviours())
 
 
 def _heading(measure: Measure) -> str:

@@ -99,7 +99,9 @@ class Modes:
         return cls(L, V, values, way)
 
 
-def optimum(product: Information, state: State, effort: float) -> Impedance:
+def optimum(
+    product: Information, state: State, effort: float, stiffest: float = np.inf
+) -> Impedance:
     """Impedance towards the product of all frames: infinite horizon, frozen M and J, closed form.
 
     In the coordinates z = L^T q with M = L L^T every direction has unit inertia, and the cost of
@@ -121,10 +123,13 @@ def optimum(product: Information, state: State, effort: float) -> Impedance:
     state : State
     effort : float
         r [s^4/(kg m^2)].
+    stiffest : float
+        Most that K_z may be [1/s^2]: what the loop bears, whatever is precise.
     """
     modes = Modes.of(product, state)
     root = modes.inertia_root @ modes.vectors
-    return Impedance.of_modes(root, np.sqrt(modes.precision / effort), state.q + modes.way)
+    stiffness = np.minimum(np.sqrt(modes.precision / effort), stiffest)
+    return Impedance.of_modes(root, stiffness, state.q + modes.way)
 
 
 def check_determined(product: Information, state: State) -> None:

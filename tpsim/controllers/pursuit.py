@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import pi
 
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
 from tpsim.border import Positive, border
 from tpsim.controllers.intervention import Intervention, optimum
+from tpsim.controllers.minimal_intervention import bandwidth_for
 from tpsim.controllers.product import Information, Skill
 from tpsim.robot.state import State
 from tpsim.robot.views.view import Seen
@@ -34,24 +36,37 @@ class Pursuit(Intervention):
     ----------
     skills : sequence of Skill
     effort : float
-        Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement.
+        Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement, such as
+        :func:`~tpsim.controllers.torque_cost.acceleration_effort`.
+    bandwidth : float, optional
+        Natural frequency [Hz] that no direction exceeds; by default as fast as a loop allows
+        (:func:`~tpsim.controllers.minimal_intervention.bandwidth_for`).
     period : float
         Time for which stiffness, damping and velocity last [s].
     """
 
     @border
-    def __init__(self, skills: Sequence[Skill], *, effort: Positive, period: Positive = 0.025):
+    def __init__(
+        self,
+        skills: Sequence[Skill],
+        *,
+        effort: Positive,
+        bandwidth: Positive | None = None,
+        period: Positive = 0.025,
+    ):
         # What moves must be led in every direction: here a frame counts as it was learned.
         whole = [Skill(s.views, replace(s.model, relevance=())) for s in skills]
         super().__init__(whole, None, period)
         self.effort = effort
+        self.bandwidth = bandwidth_for() if bandwidth is None else bandwidth
+        self._stiffest = (2 * pi * self.bandwidth) ** 2
         self._was: np.ndarray | None = None
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the product of all frames at a state, moving with them."""
         state = self._ahead(state)
         product, robot = self.product(state), state.robot
-        now = optimum(product, state, self.effort)
+        now = optimum(product, state, self.effort, self._stiffest)
         pull = now.stiffness @ (now.reference - state.q)
         # At this speed spring and damper are in balance.
         speed = dgesv(now.damping, pull)[2]

@@ -146,6 +146,7 @@ class PursuitRecipe(Recipe):
 
     skills: tuple[WrittenSkill, ...]
     effort: float
+    bandwidth: float
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -160,7 +161,7 @@ class PursuitRecipe(Recipe):
     def controller(self, robot: Robot, start: np.ndarray) -> Controller:
         """A new controller."""
         skills = [written.skill for written in self.skills]
-        return Pursuit(skills, effort=self.effort, period=self.lasts)
+        return Pursuit(skills, effort=self.effort, bandwidth=self.bandwidth, period=self.lasts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,7 +260,7 @@ def recipe_of(controller: object, period: float) -> Recipe:
     kind = type(controller)
     if isinstance(controller, Pursuit) and kind is Pursuit:
         skills = tuple(WrittenSkill.of(skill) for skill in controller.skills)
-        return PursuitRecipe(controller.period, skills, controller.effort)
+        return PursuitRecipe(controller.period, skills, controller.effort, controller.bandwidth)
     if isinstance(controller, MinimalIntervention) and kind is MinimalIntervention:
         m = controller
         skills = tuple(WrittenSkill.of(skill) for skill in m.skills)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tpsim.controllers.minimal_intervention import bandwidth_for
 from tpsim.errors import ArgumentError
 from tpsim.robot.views.observe import observe
 from tpsim.study.record import Records
@@ -156,7 +157,7 @@ def test_controllers_of_the_study_follow_the_fields_of_its_task(taught):
     task, models, _ = taught
     situation = draw_situation(task, 1, 0)
     stiffness = []
-    for effort in (0.0007, 0.0028):
+    for effort in (100.0, 400.0):  # so soft that the loop does not set the limit
         soft = study.study(task).with_task(effort=effort)
         make = soft.all_controllers[behaviour("right")]
         controller = make(task.stage, models, situation)
@@ -164,6 +165,32 @@ def test_controllers_of_the_study_follow_the_fields_of_its_task(taught):
         stiffness.append(trial["stiffness"][0])
     # Stiffness is the root of precision over effort, Eq. (34).
     np.testing.assert_allclose(stiffness[0], 2 * stiffness[1], rtol=1e-6)
+
+
+class Overheard:
+    """A controller whose commands are kept, beside the states."""
+
+    def __init__(self, controller):
+        self.controller, self.heard = controller, []
+
+    def command(self, state, time):
+        """What the controller commands."""
+        self.heard.append((state, self.controller.command(state, time)))
+        return self.heard[-1][1]
+
+
+def test_no_direction_is_faster_than_the_loop_bears(taught):
+    """Natural frequencies are the roots of the eigenvalues of M^-1 K."""
+    task, models, _ = taught
+    situation, tops = draw_situation(task, 1, 0), []
+    for effort in (1.0, 1e-3):
+        told = Overheard(replace(task, effort=effort).controller(task.stage, models, situation))
+        perform(task, models, situation, controller=told, duration=0.05)
+        state, command = told.heard[0]
+        values = np.linalg.eigvals(np.linalg.solve(state.mass, command.stiffness)).real
+        tops.append(np.sqrt(values.max()) / (2 * np.pi))
+    assert tops[0] == pytest.approx(bandwidth_for(), rel=0.01)
+    assert tops[1] <= 1.001 * bandwidth_for()
 
 
 def test_a_teaching_that_was_not_taught_is_refused(taught):

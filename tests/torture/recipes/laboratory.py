@@ -557,7 +557,7 @@ def _control(book: Book) -> None:
         posture=START,
         posture_gain=4.0,
     )
-    add("lab.Pursuit", lab.Pursuit, skills=[SKILL], effort=0.05, period=0.025)
+    add("lab.Pursuit", lab.Pursuit, skills=[SKILL], effort=0.05, bandwidth=10.0, period=0.025)
     add(
         "lab.TimedIntervention",
         lab.TimedIntervention,

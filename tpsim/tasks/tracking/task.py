@@ -13,9 +13,11 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from tpsim.border import Positive
 from tpsim.catalogue.ours import planar5
 from tpsim.controllers.product import Skill
-from tpsim.controllers.pursuit import Pursuit
+from tpsim.controllers.pursuit import STRENGTH, Pursuit
+from tpsim.controllers.torque_cost import acceleration_effort
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
 from tpsim.learning.shrinkage import shrink_directions
@@ -57,7 +59,9 @@ class Tracking(Task):
         Teachings: ``"left"``, ``"right"``, ``"compromise"``. Each is a behaviour by itself; the
         learned controller performs the first one.
     effort : float
-        Cost of acceleration [s^4/(kg m^2)]: the one number that sets how soft the robot is.
+        Cost of acceleration, relative to that with which a usual deviation is worth all that
+        springs may pull (:func:`~tpsim.controllers.torque_cost.acceleration_effort`): with 4 the
+        robot is half as stiff where the control loop does not set the limit.
     components : int
         Gaussians of each behaviour.
     structure : str
@@ -74,7 +78,7 @@ class Tracking(Task):
     """
 
     taught: tuple[Teaching, ...] = TEACHINGS
-    effort: float = 0.0007
+    effort: Positive = 1.0
     components: int = 1
     structure: Literal["spherical", "diagonal", "full", "learned"] = "spherical"
     bend: float = 0.3
@@ -153,7 +157,8 @@ class Tracking(Task):
         if name not in models:
             raise ArgumentError(f"there is no model of '{name}'; there are {', '.join(models)}")
         skill = Skill(self.views(), models[name])
-        return Pursuit([skill], effort=self.effort)
+        usual = acceleration_effort(world.robot.at_home, STRENGTH)
+        return Pursuit([skill], effort=self.effort * usual)
 
     def goals(self) -> Mapping[str, Goal]:
         """Each hand at its object."""

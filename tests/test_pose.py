@@ -26,6 +26,12 @@ def test_the_left_jacobian_has_its_inverse(size):
     w = size * np.array([0.6, -0.48, 0.64])
     product = rotation.left_jacobian(w) @ rotation.left_jacobian_inverse(w)
     np.testing.assert_allclose(product, np.eye(3), atol=1e-9)
+    rate = np.array([[0.3, -1.0, 0.2], [0.0, 0.4, 0.1]])
+    np.testing.assert_allclose(
+        rotation.angular_velocity(np.array([w, w]), rate),
+        rate @ rotation.left_jacobian(w).T,
+        atol=1e-14,
+    )
 
 
 def test_coordinates_are_zero_at_the_reference_of_the_object():

@@ -207,6 +207,8 @@ def angular_velocity(w: ArrayLike, rate: ArrayLike) -> np.ndarray:
     ``left_jacobian(w) @ rate``, without the matrices.
     """
     w, rate = _turns(w), _shaped("rate", rate, (3,))
+    if w.shape != rate.shape:
+        raise ArgumentError(f"w has shape {w.shape} and rate {rate.shape}; give a rate for each")
     first, second = _about(w)
     across = np.cross(w, rate)
     return rate + first * across + second * np.cross(w, across)

@@ -1030,6 +1030,7 @@ def _geometry(book: Book) -> None:
     for name in ("skew", "exp", "left_jacobian", "left_jacobian_inverse"):
         (argument,) = getattr(rotation, name).__code__.co_varnames[:1]
         add(f"rotation.{name}", getattr(rotation, name), **{argument: w})
+    add("rotation.angular_velocity", rotation.angular_velocity, w=w, rate=np.ones((2, 3)))
     for name in ("log", "to_quaternion", "mean"):
         add(f"rotation.{name}", getattr(rotation, name), R=ROTATIONS)
     add("rotation.tilt", rotation.tilt, R=ROTATIONS, axis=np.array([0.0, 0.0, 1.0]))

@@ -242,8 +242,7 @@ def fit_tp_gmm(
         Tikhonov regularisation of every M-step, Eq. (8), in squared units of the data. By default
         the data set a floor instead, Eq. (7), without any unit: no covariance is smaller than c
         times that of the N samples on which its component starts, with
-        c = max((D + 1) / N (3 %)^2, (0.1 %)^2); see :mod:`tpsim.learning.regularisation`. The
-        usual 1e-8 lets a component shrink onto a few samples.
+        c = max((D + 1) / N (3 %)^2, (0.1 %)^2); see :mod:`tpsim.learning.regularisation`.
     tolerance : float
         EM ends when the mean log-likelihood of a sample gains less than this [nats]; -inf lets it
         take all iterations.
@@ -277,10 +276,9 @@ def fit_tp_gmm(
     Notes
     -----
     Departures from the tutorial's code: densities are logarithms, so nothing underflows; the
-    start in time keeps the last sample of each demonstration and divides by n, not n - 1;
-    k-means runs on standardised variables; the floor replaces the ridge; the first E-step of
-    HDDC, MFA and MPPCA already has that structure (under a floor); ``history`` ends with the
-    likelihood of the model that is returned, not of the one before.
+    start in time keeps the last sample of each demonstration and divides by n, not n - 1; k-means
+    runs on standardised variables; the floor replaces the ridge; the first E-step of HDDC, MFA and
+    MPPCA has that structure (under a floor); ``history`` ends with the model that is returned.
     """
     seen = seen_by_frames(demonstrations, observed)
     if isinstance(start, TPGMM):

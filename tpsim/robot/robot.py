@@ -252,8 +252,6 @@ class Robot:
             raise SimulationError(f"no site {shown(name)} on the robot, only {sorted(self.sites)}")
         return self.sites[name]
 
-    # What a State asks for.
-
     def compute_gravity(self, q: np.ndarray) -> np.ndarray:
         """Gravity and spring torque (n,) [Nm]."""
         return self._with_springs(pin.computeGeneralizedGravity(self._pin, self._dynamics, q), q)

@@ -961,7 +961,7 @@ def _control(book: Book) -> None:
     add(
         "state_references",
         tp.state_references,
-        words=("coordinate",),
+        words=("coordinate", "sequence"),
         gaussians=[SEVERAL, GAUSSIAN[None]],
         sequences=[np.array([0, 1, 2]), np.array([0, 0, 0])],
         frames=FRAMES,

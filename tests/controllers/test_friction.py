@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from tpsim import Gaussian
-from tpsim.controllers.minimal_intervention import MinimalIntervention, bandwidth_for
+from tpsim.controllers.intervention import bandwidth_for
+from tpsim.controllers.minimal_intervention import MinimalIntervention
 from tpsim.controllers.product import Skill
 from tpsim.errors import ArgumentError
 from tpsim.learning.free_movement import relevance

@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import atan, pi, sqrt
 
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.border import Positive
+from tpsim.checks import number
 from tpsim.controllers.product import Information, Product, Skill, posture_skill
 from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.errors import ArgumentError, SimulationError
@@ -32,11 +34,21 @@ class Intervention(RenewedImpedance):
         Joint posture [rad] for directions that no frame determines.
     period : float
         Time for which an impedance lasts [s].
+    bandwidth : float, optional
+        Natural frequency [Hz] of the fastest direction; by default :func:`bandwidth_for`.
     """
 
-    def __init__(self, skills: Sequence[Skill], prior: Gaussian | None, period: Positive):
+    def __init__(
+        self,
+        skills: Sequence[Skill],
+        prior: Gaussian | None,
+        period: Positive,
+        bandwidth: Positive | None,
+    ):
         super().__init__(period)
         self.skills, self.prior = tuple(skills), prior
+        self.bandwidth = bandwidth_for() if bandwidth is None else bandwidth
+        self._stiffest = (2 * pi * self.bandwidth) ** 2
         self._product: Product | None = None
 
     def product(self, state: State) -> Information:
@@ -142,3 +154,16 @@ def check_determined(product: Information, state: State) -> None:
         f"no frame determines the motion of joint '{state.robot.joints[weakest]}'; "
         "give a prior Gaussian on the joint posture"
     )
+
+
+def bandwidth_for(delay: float = 0.005) -> float:
+    """Natural frequency [Hz] that a loop with a delay [s] may have, with half its margin left.
+
+    The optimum of a unit mass, K = w^2 and D = sqrt(2) w, crosses unit gain at c w with
+    c = sqrt(1 + sqrt(2)); there its phase is atan(sqrt(2) c) above -180 degrees, which a delay of
+    atan(sqrt(2) c) / (c w) uses up. Half of that is allowed. The delay is the time between what is
+    sensed and the torque that answers it: latency, filters of velocity, half a control period.
+    """
+    delay = number("delay", delay, above=0, what="time [s]")
+    c = sqrt(1 + sqrt(2))
+    return 0.5 * atan(sqrt(2) * c) / c / (2 * pi * delay)

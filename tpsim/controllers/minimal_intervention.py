@@ -1,13 +1,11 @@
 """Minimal intervention at torque level: precise where it was learned, soft elsewhere."""
 
 from collections.abc import Sequence
-from math import atan, pi, sqrt
 
 import numpy as np
 from scipy.linalg.lapack import dtrtrs
 
 from tpsim.border import NotNegative, Positive, border
-from tpsim.checks import number
 from tpsim.controllers.friction import damping, felt_mass
 from tpsim.controllers.intervention import NOTHING, Intervention, Modes
 from tpsim.controllers.product import Information, Skill
@@ -31,7 +29,8 @@ class MinimalIntervention(Intervention):
     bandwidth : float
         Natural frequency [Hz] of the most precise direction; all others follow from their
         precision beside it. The default is as fast as a loop allows whose torque comes 5 ms after
-        what it answers (:func:`bandwidth_for`): half of what makes the arm unstable.
+        what it answers (:func:`~tpsim.controllers.intervention.bandwidth_for`): half of what makes
+        the arm unstable.
     friction : float
         What a person feels who leads a hand where it is free [Ns/m]: 18 N at 0.1 m/s.
     effort : float, optional
@@ -57,12 +56,10 @@ class MinimalIntervention(Intervention):
         prior: Gaussian | None = None,
         period: Positive = 0.03,
     ):
-        super().__init__(skills, prior, period)
+        super().__init__(skills, prior, period, bandwidth)
         if bandwidth is not None and effort is not None:
             raise ArgumentError("bandwidth and effort were given; give one of them")
-        self.bandwidth = bandwidth_for() if bandwidth is None else bandwidth
         self.friction, self.effort = friction, effort
-        self._stiffest = (2 * pi * self.bandwidth) ** 2
         self._begun: tuple[float, float] | None = None
 
     def renew(self, state: State, time: float) -> Impedance:
@@ -94,16 +91,3 @@ class MinimalIntervention(Intervention):
         top = float(modes.precision[-1])
         # Where nothing matters there is no spring at all.
         return top / self._stiffest**2 if top > NOTHING else np.inf
-
-
-def bandwidth_for(delay: float = 0.005) -> float:
-    """Natural frequency [Hz] that a loop with a delay [s] may have, with half its margin left.
-
-    The optimum of a unit mass, K = w^2 and D = sqrt(2) w, crosses unit gain at c w with
-    c = sqrt(1 + sqrt(2)); there its phase is atan(sqrt(2) c) above -180 degrees, which a delay of
-    atan(sqrt(2) c) / (c w) uses up. Half of that is allowed. The delay is the time between what is
-    sensed and the torque that answers it: latency, filters of velocity, half a control period.
-    """
-    delay = number("delay", delay, above=0, what="time [s]")
-    c = sqrt(1 + sqrt(2))
-    return 0.5 * atan(sqrt(2) * c) / c / (2 * pi * delay)

@@ -2,14 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import pi
 
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
 from tpsim.border import Positive, border
 from tpsim.controllers.intervention import Intervention, optimum
-from tpsim.controllers.minimal_intervention import bandwidth_for
 from tpsim.controllers.product import Information, Skill
 from tpsim.robot.state import State
 from tpsim.robot.views.view import Seen
@@ -40,7 +38,7 @@ class Pursuit(Intervention):
         :func:`~tpsim.controllers.torque_cost.acceleration_effort`.
     bandwidth : float, optional
         Natural frequency [Hz] that no direction exceeds; by default as fast as a loop allows
-        (:func:`~tpsim.controllers.minimal_intervention.bandwidth_for`).
+        (:func:`~tpsim.controllers.intervention.bandwidth_for`).
     period : float
         Time for which stiffness, damping and velocity last [s].
     """
@@ -56,10 +54,8 @@ class Pursuit(Intervention):
     ):
         # What moves must be led in every direction: here a frame counts as it was learned.
         whole = [Skill(s.views, replace(s.model, relevance=())) for s in skills]
-        super().__init__(whole, None, period)
+        super().__init__(whole, None, period, bandwidth)
         self.effort = effort
-        self.bandwidth = bandwidth_for() if bandwidth is None else bandwidth
-        self._stiffest = (2 * pi * self.bandwidth) ** 2
         self._was: np.ndarray | None = None
 
     def renew(self, state: State, time: float) -> Impedance:

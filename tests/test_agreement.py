@@ -95,6 +95,9 @@ def test_named_columns_need_no_jump():
     np.testing.assert_allclose(agree([far, near], angles=0)[1].data[:, 0], 3.1 + 0.1 * T)
     with pytest.raises(ArgumentError, match="angles"):
         agree([far, near], angles=1)
+    wide = Demonstration(T, np.stack([T, T], axis=1))
+    with pytest.raises(ArgumentError, match=r"demonstrations have \[1, 2\] columns"):
+        agree([far, wide], angles=1)
 
 
 def test_plain_data_are_left_alone():

@@ -61,6 +61,11 @@ def agree(
     if not widths:
         return demonstrations
     width = min(widths)
+    if len(widths) > 1 and not (quaternions is None and angles is None):
+        raise ArgumentError(
+            f"demonstrations have {sorted(widths)} columns; give recordings of one width, or name "
+            "no columns"
+        )
     named = (
         None if quaternions is None else dimensions("quaternions", quaternions, width),
         None if angles is None else dimensions("angles", angles, width),

@@ -206,6 +206,20 @@ def test_a_moving_goal_is_followed_within_limits_and_what_is_missed_is_said():
     assert set(shaken.missed) == {"joint range"} and np.abs(shaken.controls).max() < 1 + 1e-6
 
 
+@pytest.mark.parametrize(
+    ("reference", "options", "message"),
+    [
+        (len, {}, "reference cannot be called as reference"),
+        (lambda t, state: 3, {}, "reference returned a int"),
+        (None, {"constraints": len}, "constraints cannot be called as constraints"),
+    ],
+)
+def test_functions_that_answer_wrongly_are_named(reference, options, message):
+    told = reference or (lambda t, state: (np.zeros((5, 4)), np.tile(np.eye(4), (5, 1, 1))))
+    with pytest.raises(ArgumentError, match=message):
+        receding_horizon(told, SYSTEM, 0.1, np.zeros(4), 3, **options)
+
+
 def test_coordinate_systems_have_state_sequences_of_their_own():
     """Eq. (38): the sum of what each asks for along its own states."""
     rng = np.random.default_rng(0)

@@ -68,10 +68,14 @@ def receding_horizon(
         now = _system(system, t, states[-1])
         if not t:
             states = [checked_state(initial, now.size[0])]
-        means, precisions = reference(t, states[-1])
+        wanted = _answer("reference", reference, t, states[-1])
+        if not (isinstance(wanted, tuple | list) and len(wanted) == 2):
+            what = type(wanted).__name__
+            raise ArgumentError(f"reference returned a {what}; give the two, (means, precisions)")
+        means, precisions = wanted
         kept: object = constraints
         if callable(constraints) and not isinstance(constraints, type):
-            kept = constraints(t, states[-1])
+            kept = _answer("constraints", constraints, t, states[-1])
         if kept := several("constraints", kept, Constraint):
             plan = constrained_lqt(
                 means, precisions, now, effort, states[-1], kept, infeasible="relax"
@@ -90,11 +94,15 @@ def receding_horizon(
     return ConstrainedPlan(np.array(states), np.array(controls).reshape(-1, m), missed=missed)
 
 
-def _system(system: object, t: int, state: np.ndarray) -> LinearSystem:
+def _answer(name: str, asked: Callable, t: int, state: np.ndarray) -> object:
     try:
-        found = system(t, state) if callable(system) else system
+        return asked(t, state)
     except TypeError as error:
-        raise ArgumentError(f"system cannot be called as system(t, state): {error}") from error
+        raise ArgumentError(f"{name} cannot be called as {name}(t, state): {error}") from error
+
+
+def _system(system: object, t: int, state: np.ndarray) -> LinearSystem:
+    found = _answer("system", system, t, state) if callable(system) else system
     if not isinstance(found, LinearSystem):
         raise ArgumentError(
             f"system is a {type(found).__name__}; give integrator(dim, dt), or system(t, state) "

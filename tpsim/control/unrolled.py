@@ -243,8 +243,8 @@ def lqt_on(
     n, m = instance("system", system, LinearSystem, "integrator(dim, dt)").B.shape
     if (n, m) != (2 * g.dim, g.dim):
         raise ArgumentError(
-            f"system has {n} states and {m} controls; {g.manifold} asks for a double integrator, "
-            f"integrator({g.dim}, dt)"
+            f"system has {n} states and {m} controls; reference lies on {g.manifold}, which asks "
+            f"for a double integrator, integrator({g.dim}, dt)"
         )
     nominal, first = many.mean[-1], many.mean[-1, 0] if initial is None else initial
     for _ in range(ROUNDS):

@@ -66,8 +66,8 @@ def lwr(
         )
     width, degree = number("width", width, above=0), whole("degree", degree, most=20)
     ridge = None if ridge is None else number("ridge", ridge, least=0)
-    with np.errstate(over="ignore"):
-        z = (inputs - queries[:, None]) / width
+    with np.errstate(over="ignore"):  # Clipped: what is far away has no weight.
+        z = np.clip((inputs - queries[:, None]) / width, -FAR, FAR)
     h = np.exp(-0.5 * z**2)
     reached = h.sum(1) > 1e-12
     if not reached.all():
@@ -76,8 +76,7 @@ def lwr(
             f"({inputs.min():g} to {inputs.max():g}). Stay in that range or give a larger width"
         )
     h /= h.sum(1, keepdims=True)
-    # What is far away has no weight, and its powers must not overflow.
-    powers = np.clip(z, -FAR, FAR)[..., None] ** np.arange(degree + 1)
+    powers = z[..., None] ** np.arange(degree + 1)
     weighted = powers.mT * h[:, None]
     normal = weighted @ powers
     if not (np.linalg.cond(normal) < WORST_CONDITION).all():

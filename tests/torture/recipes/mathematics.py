@@ -170,7 +170,7 @@ def _values(book: Book) -> None:
     add("Demonstration.with_time", DEMONSTRATIONS[0].with_time, input=TIME)
     add("agree", tp.agree, demonstrations=DEMONSTRATIONS, quaternions=None, angles=[1])
     saved = GAUSSIAN.save(FOLDER / "gaussian.npz")
-    add("Stored.save", GAUSSIAN.save, path=str(FOLDER / "again.npz"))
+    add("Stored.save", GAUSSIAN.save, words=("exists",), path=str(FOLDER / "again.npz"))
     add("Stored.load", tp.Gaussian.load, words=("file",), path=str(saved))
     add("load", tp.load, words=("file",), path=str(saved))
 

@@ -215,6 +215,7 @@ def test_ridge_is_added_once():
         ({"frames": [Frame(np.eye(2), [0, 0])]}, "the model has 2"),
         ({"frames": [Frame(np.eye(4), np.zeros(4))] * 2}, "A of shape"),
         ({"frames": [Frame(2 * np.eye(3), np.zeros(3))] * 2}, "changes the inputs"),
+        ({"frames": [Frame(np.ones((1, 3)), [0])] * 2, "order": "product"}, "leaves no output"),
         ({"inputs": [np.nan]}, "not finite"),
     ],
 )

@@ -90,6 +90,12 @@ def tp_gmr(
             frame if frame is None or frame.local_dim == d else _lift(frame, given)
             for frame, d in zip(frames, tpgmm.dims, strict=True)
         ]
+        for frame in lifted:
+            if frame is not None and frame.A.shape[-2] <= len(given):
+                raise ArgumentError(
+                    f"frames: A of shape {frame.A.shape} leaves no output beside the inputs {given}"
+                    "; give frames of the outputs, or lifted by with_input()"
+                )
         return gmr(tpgmm.adapt(lifted), inputs, given, ridge=ridge)
     seen = [(frame, local) for frame, local in zip(frames, tpgmm.frames, strict=True) if frame]
     observed = [_outputs(frame, local.dim, given) for frame, local in seen]

@@ -780,6 +780,7 @@ def _retrieval(book: Book) -> None:
         "fit_promp",
         tp.fit_promp,
         words=("demonstration", "covariance"),
+        takes={"trajectories": {"ragged"}},  # movements of one and of two samples
         trajectories=PATHS,
         count=3,
         **options,
@@ -788,6 +789,7 @@ def _retrieval(book: Book) -> None:
         "fit_promp",
         tp.fit_promp,
         words=("demonstration", "covariance"),
+        takes={"trajectories": {"ragged"}},
         trajectories=DEMONSTRATIONS,
         count=3,
     )

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tpsim import Gaussian
-from tpsim.controllers.intervention import bandwidth_for
 from tpsim.controllers.minimal_intervention import MinimalIntervention
+from tpsim.controllers.optimal import bandwidth_for
 from tpsim.controllers.product import Skill
 from tpsim.errors import ArgumentError
 from tpsim.learning.free_movement import relevance
@@ -91,13 +91,30 @@ def test_damping_never_pushes(robot):
         assert np.linalg.eigvalsh(D)[0] > 0
 
 
-def test_the_most_precise_direction_has_the_bandwidth(robot):
-    controller = MinimalIntervention([skill(robot, {"sugar from cup": [0, 1, 2]})], bandwidth=8.0)
-    state = robot.at_home
+def fastest(controller, state):
+    """Natural frequency [Hz] of the fastest direction."""
     K = controller.command(state, 0.0).stiffness
     L = np.linalg.cholesky(state.mass)
     modes = np.linalg.eigvalsh(np.linalg.solve(L, np.linalg.solve(L, K).T))
-    assert np.sqrt(modes[-1]) / (2 * np.pi) == pytest.approx(8.0, rel=1e-3)
+    return np.sqrt(modes[-1]) / (2 * np.pi)
+
+
+def test_no_direction_is_faster_than_the_bandwidth(robot):
+    precise, state = skill(robot, {"sugar from cup": [0, 1, 2]}), robot.at_home
+    for bandwidth in (4.0, 8.0):
+        controller = MinimalIntervention([precise], bandwidth=bandwidth)
+        assert fastest(controller, state) == pytest.approx(bandwidth, rel=1e-3)
+
+
+def test_by_default_a_usual_deviation_is_worth_what_springs_may_pull(robot):
+    """K_z = Lambda_z^1/2 / r^1/2 with r the mean of M_ii / (0.3 limit_i)^2."""
+    usual = np.mean(np.diag(robot.at_home.mass) / (0.3 * robot.torque_limit) ** 2)
+    precise, settings = skill(robot, {"sugar from cup": [0, 1, 2]}), {"bandwidth": 1e3}
+    own, told = (
+        fastest(MinimalIntervention([precise], effort=effort, **settings), robot.at_home)
+        for effort in (None, usual)
+    )
+    assert own == pytest.approx(told, rel=1e-12) and own > bandwidth_for()
 
 
 def test_the_default_bandwidth_keeps_half_the_delay_margin():
@@ -110,8 +127,6 @@ def test_the_default_bandwidth_keeps_half_the_delay_margin():
     assert margin == pytest.approx(0.010, rel=1e-3)
 
 
-def test_bandwidth_or_effort():
-    with pytest.raises(ArgumentError, match="give one of them"):
-        MinimalIntervention([], bandwidth=3.0, effort=0.1)
+def test_friction_is_not_negative():
     with pytest.raises(ArgumentError, match="friction"):
         MinimalIntervention([], friction=-1.0)

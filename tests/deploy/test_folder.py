@@ -86,7 +86,7 @@ IN_RECIPE = ("policy", "content", "recipe")
 @pytest.mark.parametrize(
     ("keys", "value", "words"),
     [
-        (("schema",), 9, "is of schema 9; this is 4"),
+        (("schema",), 9, "is of schema 9; this is 5"),
         (("arrays",), "0", "is damaged or of another policy"),
         (("policy",), [], "a list is out of place"),
         (("policy", "kind"), "Popen", "unknown kind 'Popen'"),

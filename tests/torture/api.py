@@ -74,7 +74,7 @@ INSIDE = {
     **dict.fromkeys(
         [f"lab.{name}" for name in ("Impedance", "Impedance.of_modes", "Objects", "Pose", "Robot",
          "Robot.of", "Robot.of_source", "Grip.spends", "Grip.wrench", "Push.level", "Push.wrench",
-         "Intervention.product",
+         "Intervention.optimum", "Intervention.product", "OptimalImpedance.stiffness",
          "Care.at", "HandPath.seen_from", "InverseKinematics.__call__", "Motion", "Spring.matrix",
          "Robot.compute_bias", "Robot.compute_energy", "Robot.compute_gravity",
          "Robot.compute_jacobian", "Robot.compute_torque",

@@ -10,6 +10,7 @@ from tpsim.errors import ArgumentError
 from tpsim.world.episode import Episode
 from tpsim.world.impedance import Drive, Impedance
 from tpsim.world.people.push import Push
+from tpsim.world.plant import Plant
 from tpsim.world.rollout import rollout
 from tpsim.world.tank import UNLIMITED, Tank
 from tpsim.world.world import World
@@ -43,6 +44,7 @@ class Watch:
         episode.reset(robot.home if start is None else start)
         drive = Drive(robot, simulation.timestep, tank)
         self.kinetic, self.given, self.energies, self.contacts = [], [], [], 0
+        self.q = []
         given = 0.0
         for _ in range(round(seconds / simulation.timestep)):
             state = episode.sense()
@@ -55,6 +57,7 @@ class Watch:
             torque = drive.torque(controller.command(state, state.time), state)
             self.kinetic.append(state.dq @ state.mass @ state.dq / 2)
             self.given.append(given)
+            self.q.append(state.q)
             self.energies.append(drive.energies)
             episode.advance(episode.act(torque))
             # Force along the way: exact for a force that is held over a step.
@@ -151,6 +154,33 @@ def test_the_worst_person_takes_no_more_than_the_tank(planar3_world):
     assert free.given.min() < -1.0
 
 
+class Swaying:
+    """A reference that goes to and fro once a second, between two renewals at rest."""
+
+    def __init__(self, home, way=0.15):
+        self.home, self.way = home, way
+
+    def command(self, state, time):
+        if round(1000 * time) % 20 == 0:
+            mass, away = state.mass, self.way * np.sin(2 * np.pi * time)
+            self.now = Impedance(400.0 * mass, 40.0 * mass, self.home + away)
+        return self.now
+
+
+def test_friction_that_is_allowed_for_does_not_empty_the_tank(planar3_world):
+    """An arm that rubs goes on as long as it likes; without the allowance it goes soft."""
+    robot, share = planar3_world.robot, 0.02
+    plant, levels = Plant(friction=share * float(robot.torque_limit.min())), {}
+    for name, friction in (("none", 0.0), ("known", share)):
+        tank = Tank(3.0, friction=friction)
+        sways = Swaying(robot.home)
+        trial = rollout(planar3_world, sways, robot.home, 6.0, plant=plant, tank=tank)
+        second = np.floor(trial["time"])
+        levels[name] = [trial["energy_tank"][second == k].max() for k in (1, 5)]
+    assert levels["none"][1] < 0.5 * levels["none"][0]
+    assert levels["known"][1] > 0.98 * levels["known"][0]
+
+
 @pytest.fixture(scope="module")
 def walled():
     """The arm of three links with a ball at its tip, 2 cm before a stiff wall."""
@@ -239,3 +269,17 @@ def test_without_a_spring_an_empty_tank_holds_nothing_back_but_the_damper(planar
     trial = rollout(planar3_world, Driving(), home, 0.6, people=[push], tank=Tank(0.02))
     assert trial.outcome == "done"
     assert trial["energy_injected"].max() <= 0.02 + 1e-9
+
+
+def test_what_is_allowed_for_friction_is_all_that_comes_beside_the_tank(planar3_world):
+    """A damper that pushes on gets what the tank has, what was given, and friction's share."""
+    robot, share, size = planar3_world.robot, 0.03, 0.02
+
+    def flick(t, p, v):
+        return np.array([0.0, 3.0, 0.0]) * (t < 0.1)
+
+    watch = Watch(planar3_world, Driving(), Tank(size, friction=share), 0.6, flick)
+    rubbed = np.abs(np.diff(watch.q, axis=0)) @ (share * robot.torque_limit)
+    own = size + watch.given
+    assert (watch.kinetic <= own + np.append(0.0, np.cumsum(rubbed)) + 1e-3).all()
+    assert watch.kinetic.max() > 2 * own.max()

@@ -2,15 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import atan, pi, sqrt
 
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.border import Positive
-from tpsim.checks import number
+from tpsim.controllers.optimal import OptimalImpedance
 from tpsim.controllers.product import Information, Product, Skill, posture_skill
-from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.gaussian import Gaussian
 from tpsim.robot.state import State
@@ -24,7 +22,7 @@ NOTHING = 1e-12
 """Precision [1/(kg m^2)] that is none."""
 
 
-class Intervention(RenewedImpedance):
+class Intervention(OptimalImpedance):
     """A controller by the product of all frames of all skills (Eqs 5-6).
 
     Parameters
@@ -32,10 +30,8 @@ class Intervention(RenewedImpedance):
     skills : sequence of Skill
     prior : Gaussian (n,), optional
         Joint posture [rad] for directions that no frame determines.
-    period : float
-        Time for which an impedance lasts [s].
-    bandwidth : float, optional
-        Natural frequency [Hz] of the fastest direction; by default :func:`bandwidth_for`.
+    period, effort, bandwidth
+        As of :class:`~tpsim.controllers.optimal.OptimalImpedance`.
     """
 
     def __init__(
@@ -43,12 +39,11 @@ class Intervention(RenewedImpedance):
         skills: Sequence[Skill],
         prior: Gaussian | None,
         period: Positive,
+        effort: Positive | None,
         bandwidth: Positive | None,
     ):
-        super().__init__(period)
+        super().__init__(period, effort, bandwidth)
         self.skills, self.prior = tuple(skills), prior
-        self.bandwidth = bandwidth_for() if bandwidth is None else bandwidth
-        self._stiffest = (2 * pi * self.bandwidth) ** 2
         self._product: Product | None = None
 
     def product(self, state: State) -> Information:
@@ -68,6 +63,27 @@ class Intervention(RenewedImpedance):
             check_determined(replace(found, precision=self._product.seen), state)
             return found
         return self._product.at(state)
+
+    def optimum(self, product: Information, state: State) -> Impedance:
+        """Impedance towards the product of all frames: frozen M and J, closed form.
+
+        In the coordinates z = L^T q with M = L L^T every direction has unit inertia, and the cost
+        of acceleration ``r |ddz|^2 = r ddq^T M ddq`` is the same for every direction. With the
+        Jacobian ``J_z = J L^-T`` and the precision ``Lambda_z = J_z^T W J_z``,
+
+            K_z = (Lambda_z / r)^1/2,  D_z = (2 K_z)^1/2,
+            tau = L [ K_z L^T (q_hat - q) - D_z L^T dq ] + bias.
+
+        It is the optimum for M, J and W that stay as they are; they are frozen until the next
+        renewal, and over the whole horizon nothing is claimed. The stiffness ``L K_z L^T`` is
+        symmetric and does not depend on the choice of joint coordinates; all modes are damped
+        alike. From one renewal to the next it is not the gradient of one potential: led round a
+        loop it may give or take energy, which the tank bounds (:mod:`tpsim.world.tank`).
+        """
+        modes = Modes.of(product, state)
+        root = modes.inertia_root @ modes.vectors
+        stiffness = self.stiffness(modes.precision, state.robot)
+        return Impedance.of_modes(root, stiffness, state.q + modes.way)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,39 +127,6 @@ class Modes:
         return cls(L, V, values, way)
 
 
-def optimum(
-    product: Information, state: State, effort: float, stiffest: float = np.inf
-) -> Impedance:
-    """Impedance towards the product of all frames: infinite horizon, frozen M and J, closed form.
-
-    In the coordinates z = L^T q with M = L L^T every direction has unit inertia, and the cost of
-    acceleration ``r |ddz|^2 = r ddq^T M ddq`` is the same for every direction. With the Jacobian
-    ``J_z = J L^-T`` and the precision ``Lambda_z = J_z^T W J_z``,
-
-        K_z = (Lambda_z / r)^1/2,  D_z = (2 K_z)^1/2,
-        tau = L [ K_z L^T (q_hat - q) - D_z L^T dq ] + bias.
-
-    It is the optimum for M, J and W that stay as they are; they are frozen until the next renewal,
-    and over the whole horizon nothing is claimed. The stiffness ``L K_z L^T`` is symmetric and
-    does not depend on the choice of joint coordinates; all modes are damped alike. From one
-    renewal to the next it is not the gradient of one potential: led round a loop it may give or
-    take energy, which the tank bounds (:mod:`tpsim.world.tank`).
-
-    Parameters
-    ----------
-    product : Information
-    state : State
-    effort : float
-        r [s^4/(kg m^2)].
-    stiffest : float
-        Most that K_z may be [1/s^2]: what the loop bears, whatever is precise.
-    """
-    modes = Modes.of(product, state)
-    root = modes.inertia_root @ modes.vectors
-    stiffness = np.minimum(np.sqrt(modes.precision / effort), stiffest)
-    return Impedance.of_modes(root, stiffness, state.q + modes.way)
-
-
 def check_determined(product: Information, state: State) -> None:
     """Raise ArgumentError where no frame determines how some joint moves."""
     values, V = np.linalg.eigh(product.jacobian.T @ product.precision @ product.jacobian)
@@ -154,16 +137,3 @@ def check_determined(product: Information, state: State) -> None:
         f"no frame determines the motion of joint '{state.robot.joints[weakest]}'; "
         "give a prior Gaussian on the joint posture"
     )
-
-
-def bandwidth_for(delay: float = 0.005) -> float:
-    """Natural frequency [Hz] that a loop with a delay [s] may have, with half its margin left.
-
-    The optimum of a unit mass, K = w^2 and D = sqrt(2) w, crosses unit gain at c w with
-    c = sqrt(1 + sqrt(2)); there its phase is atan(sqrt(2) c) above -180 degrees, which a delay of
-    atan(sqrt(2) c) / (c w) uses up. Half of that is allowed. The delay is the time between what is
-    sensed and the torque that answers it: latency, filters of velocity, half a control period.
-    """
-    delay = number("delay", delay, above=0, what="time [s]")
-    c = sqrt(1 + sqrt(2))
-    return 0.5 * atan(sqrt(2) * c) / c / (2 * pi * delay)

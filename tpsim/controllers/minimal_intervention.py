@@ -7,9 +7,8 @@ from scipy.linalg.lapack import dtrtrs
 
 from tpsim.border import NotNegative, Positive, border
 from tpsim.controllers.friction import damping, felt_mass
-from tpsim.controllers.intervention import NOTHING, Intervention, Modes
+from tpsim.controllers.intervention import Intervention, Modes
 from tpsim.controllers.product import Information, Skill
-from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.free_movement import free_share
 from tpsim.robot.state import State
@@ -19,23 +18,24 @@ from tpsim.world.impedance import Impedance
 class MinimalIntervention(Intervention):
     """The product of all frames of all skills, as stiffness and damping (Eqs 5-6, 34, Section 6).
 
-    Stiffness is the optimum (:func:`~tpsim.controllers.intervention.optimum`). Directions in which
-    no frame matters (:mod:`tpsim.learning.free_movement`) have none: there the arm stays where it
-    is put, and friction is what a person feels who leads it (:mod:`~tpsim.controllers.friction`).
+    Stiffness is the optimum (:meth:`~tpsim.controllers.intervention.Intervention.optimum`), up to
+    a bandwidth. Directions in which no frame matters (:mod:`tpsim.learning.free_movement`) have
+    none: there the arm stays where it is put, and friction is what a person feels who leads it
+    (:mod:`~tpsim.controllers.friction`).
 
     Parameters
     ----------
     skills : sequence of Skill
-    bandwidth : float
-        Natural frequency [Hz] of the most precise direction; all others follow from their
-        precision beside it. The default is as fast as a loop allows whose torque comes 5 ms after
-        what it answers (:func:`~tpsim.controllers.intervention.bandwidth_for`): half of what makes
-        the arm unstable.
+    effort : float, optional
+        Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement. By
+        default that with which a usual deviation is worth what the motors' springs may pull
+        (:func:`~tpsim.controllers.torque_cost.acceleration_effort`).
+    bandwidth : float, optional
+        Natural frequency [Hz] that no direction exceeds, however precise; by default as fast as a
+        loop allows whose torque comes 5 ms after what it answers
+        (:func:`~tpsim.controllers.optimal.bandwidth_for`): half of what makes the arm unstable.
     friction : float
         What a person feels who leads a hand where it is free [Ns/m]: 18 N at 0.1 m/s.
-    effort : float, optional
-        Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement, instead
-        of ``bandwidth``.
     prior : Gaussian (n,), optional
         Joint posture [rad] for directions that no frame determines. Like a frame, it counts where
         it is more precise than free movement.
@@ -50,32 +50,27 @@ class MinimalIntervention(Intervention):
         self,
         skills: Sequence[Skill],
         *,
+        effort: Positive | None = None,
         bandwidth: Positive | None = None,
         friction: NotNegative = 180.0,
-        effort: Positive | None = None,
         prior: Gaussian | None = None,
         period: Positive = 0.03,
     ):
-        super().__init__(skills, prior, period, bandwidth)
-        if bandwidth is not None and effort is not None:
-            raise ArgumentError("bandwidth and effort were given; give one of them")
-        self.friction, self.effort = friction, effort
-        self._begun: tuple[float, float] | None = None
+        super().__init__(skills, prior, period, effort, bandwidth)
+        self.friction = friction
+        self._rate: float | None = None
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the product of all frames at a state."""
         product = self.product(state)
         modes = Modes.of(product, state)
-        if self._begun is None:
-            self._begun = self._cost(modes), self.friction / felt_mass(state)
-        cost, rate = self._begun
+        if self._rate is None:
+            self._rate = self.friction / felt_mass(state)
         share = self._free(product, modes)
-        K = np.sqrt(modes.precision / cost) * (1 - share)
-        if self.effort is None:
-            K = np.minimum(K, self._stiffest)
+        K = self.stiffness(modes.precision, state.robot) * (1 - share)
         L, V = modes.inertia_root, modes.vectors
         root = L.dot(V)
-        D = damping(state, L, V, K, share, self.friction, rate)
+        D = damping(state, L, V, K, share, self.friction, self._rate)
         return Impedance((root * K).dot(root.T), D, state.q + modes.way)
 
     def _free(self, product: Information, modes: Modes) -> np.ndarray:
@@ -83,11 +78,3 @@ class MinimalIntervention(Intervention):
         assert self._product is not None
         along = dtrtrs(modes.inertia_root, modes.vectors, lower=1, trans=1)[0]
         return free_share(modes.precision, self._product.free(product.jacobian.dot(along)))
-
-    def _cost(self, modes: Modes) -> float:
-        """Effort as given, or that with which the most precise mode has the bandwidth."""
-        if self.effort is not None:
-            return self.effort
-        top = float(modes.precision[-1])
-        # Where nothing matters there is no spring at all.
-        return top / self._stiffest**2 if top > NOTHING else np.inf

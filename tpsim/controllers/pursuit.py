@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
 from tpsim.border import Positive, border
-from tpsim.controllers.intervention import Intervention, optimum
+from tpsim.controllers.intervention import Intervention
 from tpsim.controllers.product import Information, Skill
 from tpsim.robot.state import State
 from tpsim.robot.views.view import Seen
@@ -15,9 +16,6 @@ from tpsim.world.impedance import Impedance
 
 STEADY = 0.1
 """Standard deviation [rad] from which on a frame is too vague to lead the joints' velocity."""
-
-STRENGTH = 0.6
-"""Share of the motors' torque that springs do not exceed: the rest is left for brakes."""
 
 
 class Pursuit(Intervention):
@@ -33,40 +31,39 @@ class Pursuit(Intervention):
     Parameters
     ----------
     skills : sequence of Skill
-    effort : float
-        Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement, such as
-        :func:`~tpsim.controllers.torque_cost.acceleration_effort`.
-    bandwidth : float, optional
-        Natural frequency [Hz] that no direction exceeds; by default as fast as a loop allows
-        (:func:`~tpsim.controllers.intervention.bandwidth_for`).
+    effort, bandwidth : float, optional
+        Cost of acceleration [s^4/(kg m^2)], and the natural frequency [Hz] that no direction
+        exceeds; as of :class:`~tpsim.controllers.minimal_intervention.MinimalIntervention`.
     period : float
         Time for which stiffness, damping and velocity last [s].
     """
+
+    strength: ClassVar[float] = 0.6
+    """Share of the motors' torque that springs do not exceed: the rest is left for brakes."""
 
     @border
     def __init__(
         self,
         skills: Sequence[Skill],
         *,
-        effort: Positive,
+        effort: Positive | None = None,
         bandwidth: Positive | None = None,
         period: Positive = 0.025,
     ):
         # What moves must be led in every direction: here a frame counts as it was learned.
         whole = [Skill(s.views, replace(s.model, relevance=())) for s in skills]
-        super().__init__(whole, None, period, bandwidth)
-        self.effort = effort
+        super().__init__(whole, None, period, effort, bandwidth)
         self._was: np.ndarray | None = None
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the product of all frames at a state, moving with them."""
         state = self._ahead(state)
         product, robot = self.product(state), state.robot
-        now = optimum(product, state, self.effort, self._stiffest)
+        now = self.optimum(product, state)
         pull = now.stiffness @ (now.reference - state.q)
         # At this speed spring and damper are in balance.
         speed = dgesv(now.damping, pull)[2]
-        share = np.abs(pull) / (STRENGTH * robot.torque_limit)
+        share = np.abs(pull) / (self.strength * robot.torque_limit)
         excess = max(share.max(), (np.abs(speed) / robot.velocity_limit).max())
         held = now if excess <= 1 else now.weaker(excess)
         return replace(held, velocity=self._keep_up(product, state))

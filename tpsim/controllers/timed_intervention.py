@@ -7,9 +7,9 @@ from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.border import Positive, border
 from tpsim.checks import affordable
+from tpsim.controllers.optimal import OptimalImpedance
 from tpsim.controllers.product import Skill
 from tpsim.controllers.progress import Patience, Progress
-from tpsim.controllers.renewed import RenewedImpedance
 from tpsim.controllers.timed_product import TimedProduct
 from tpsim.errors import SimulationError
 from tpsim.gaussian import Gaussian
@@ -24,22 +24,23 @@ PERIOD = 0.03
 """Time [s] between two adaptations of the mixture to the frames: as often as a camera looks."""
 
 
-class TimedIntervention(RenewedImpedance):
+class TimedIntervention(OptimalImpedance):
     """GMR over time under minimal intervention (Eqs 5-6, 13-20 and Table 3).
 
     The model's frames observe time and a view, Eq. (20). At every period what all frames retrieve
     at this time becomes one Gaussian of the posture (:class:`TimedProduct`), around the present
     posture and the present objects; it sets reference, stiffness and damping for one period by
-    the optimum of :mod:`~tpsim.controllers.minimal_intervention`.
+    the optimum (:class:`~tpsim.controllers.optimal.OptimalImpedance`).
 
     Parameters
     ----------
     skill : Skill
         Its model's frames have time before the view.
-    effort : float
-        Cost r of acceleration [s^4/(kg m^2)], against the log-likelihood of the movement.
     until : float
         Time [s] at which the movement was over; its end then lasts.
+    effort, bandwidth : float, optional
+        Cost of acceleration [s^4/(kg m^2)], and the natural frequency [Hz] that no direction
+        exceeds; as of :class:`~tpsim.controllers.minimal_intervention.MinimalIntervention`.
     prior : Gaussian (n,), optional
         Joint posture [rad] for directions that no frame determines.
     period : float
@@ -59,15 +60,16 @@ class TimedIntervention(RenewedImpedance):
         self,
         skill: Skill,
         *,
-        effort: Positive,
         until: Positive,
+        effort: Positive | None = None,
+        bandwidth: Positive | None = None,
         prior: Gaussian | None = None,
         period: Positive = PERIOD,
         progress: Progress | None = None,
         order: Order = "pooled",
     ):
-        super().__init__(period)
-        self.skill, self.effort, self.until = skill, effort, until
+        super().__init__(period, effort, bandwidth)
+        self.skill, self.until = skill, until
         self.prior, self.order, self.progress = prior, order, progress
         self._patience = Patience(PULL)
         affordable(
@@ -88,7 +90,7 @@ class TimedIntervention(RenewedImpedance):
         variances, V, failed = dsyevd(L.T @ step.covariance @ L, overwrite_a=1)
         if failed or not variances[0] > 0:
             raise SimulationError("the covariance of the movement has no eigendecomposition")
-        modes, stiffness = L @ V, 1 / np.sqrt(self.effort * variances)
+        modes, stiffness = L @ V, self.stiffness(1 / variances, state.robot)
         now = Impedance.of_modes(modes, stiffness, state.q + step.mean)
         # Far away the spring gives way, so that spring against damper asks for no wild speed.
         pace = np.sqrt(stiffness / 2) * (modes.T @ step.mean)

@@ -6,7 +6,6 @@ import numpy as np
 from scipy.linalg.lapack import dposv
 
 from tpsim.robot.robot import Robot
-from tpsim.robot.state import State
 
 STRENGTH = 0.3
 """Share of the motors' torque that springs do not exceed beyond brakes, as after a jump."""
@@ -34,14 +33,14 @@ def effort_of(robot: Robot, joints: tuple[str, ...]) -> float:
     return float(np.mean(pulls**-2.0))
 
 
-def acceleration_effort(state: State, strength: float = STRENGTH) -> float:
+def acceleration_effort(robot: Robot, strength: float = STRENGTH) -> float:
     """The same for the cost of acceleration [s^4/(kg m^2)]: ``M_ii / (strength limit_i)^2``.
 
-    The mean over the joints. A usual deviation in a direction z of unit inertia is pulled back
-    with the torque ``|M^1/2| / r^1/2``.
+    The mean over the joints, with their inertia at home. A usual deviation in a direction z of
+    unit inertia is pulled back with the torque ``|M^1/2| / r^1/2``.
     """
-    pulls = strength * state.robot.torque_limit
-    return float(np.mean(state.mass.diagonal() / pulls**2))
+    pulls = strength * robot.torque_limit
+    return float(np.mean(robot.at_home.mass.diagonal() / pulls**2))
 
 
 def held(robot: Robot, arm: slice) -> float:

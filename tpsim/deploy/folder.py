@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
 POLICY, ARRAYS, SCENE = "policy.json", "arrays.npz", "scene.xml"
 
-SCHEMA = 4
+SCHEMA = 5
 """Of ``policy.json``."""
 
 _MOST = 2**30

@@ -113,9 +113,9 @@ class InterventionRecipe(_Held):
     """Of :class:`MinimalIntervention`."""
 
     skills: tuple[WrittenSkill, ...]
+    effort: float | None
     bandwidth: float
     friction: float
-    effort: float | None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -132,8 +132,8 @@ class InterventionRecipe(_Held):
         """A new controller."""
         return MinimalIntervention(
             [written.skill for written in self.skills],
-            bandwidth=self.bandwidth if self.effort is None else None,
             effort=self.effort,
+            bandwidth=self.bandwidth,
             friction=self.friction,
             prior=self._prior(start),
             period=self.lasts,
@@ -145,7 +145,7 @@ class PursuitRecipe(Recipe):
     """Of :class:`Pursuit`."""
 
     skills: tuple[WrittenSkill, ...]
-    effort: float
+    effort: float | None
     bandwidth: float
 
     def __post_init__(self) -> None:
@@ -168,7 +168,8 @@ class PursuitRecipe(Recipe):
 class TimedRecipe(_Held):
     """Of :class:`TimedIntervention`."""
 
-    effort: float
+    effort: float | None
+    bandwidth: float
     skill: WrittenSkill
     until: float
     order: Order
@@ -183,6 +184,7 @@ class TimedRecipe(_Held):
         return TimedIntervention(
             self.skill.skill,
             effort=self.effort,
+            bandwidth=self.bandwidth,
             until=self.until,
             prior=self._prior(start),
             period=self.lasts,
@@ -264,13 +266,15 @@ def recipe_of(controller: object, period: float) -> Recipe:
     if isinstance(controller, MinimalIntervention) and kind is MinimalIntervention:
         m = controller
         skills = tuple(WrittenSkill.of(skill) for skill in m.skills)
-        rest = skills, m.bandwidth, m.friction, m.effort
+        rest = skills, m.effort, m.bandwidth, m.friction
         return InterventionRecipe(m.period, m.prior, False, *rest)
     if isinstance(controller, TimedIntervention) and kind is TimedIntervention:
         timed = controller
         skill = WrittenSkill.of(timed.skill)
-        lasts, until, order = timed.period, timed.until, timed.order
-        return TimedRecipe(lasts, timed.prior, False, timed.effort, skill, until, order)
+        gains = timed.effort, timed.bandwidth
+        return TimedRecipe(
+            timed.period, timed.prior, False, *gains, skill, timed.until, timed.order
+        )
     if isinstance(controller, FiniteHorizon) and kind is FiniteHorizon:
         f = controller
         parts = f.objects, f.movements, f.posture, f.joints, f.site, f.dt, f.effort

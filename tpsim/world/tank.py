@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from tpsim.border import Strength, border, checked
+from tpsim.border import NotNegative, Strength, border, checked
 from tpsim.errors import ArgumentError
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 SETTLED = 0.01
 """Time [s] between two looks into the books, while there is enough in the tank."""
+
+UNKNOWN = 0.01
+"""Friction that a model is assumed not to know, as a share of the motors' torque: 0.5 Nm of 50."""
 
 SPEED = 2.0
 """Joint speed [rad/s], [m/s] that counts where a robot's file states no limit."""
@@ -35,10 +38,14 @@ class Tank:
     capacity : float, optional
         What it holds at most [J]: more of what dampers take is lost. As much as ``initial`` by
         default.
+    friction : float
+        Of every joint, as a share of its motor's torque: what friction that the model does not
+        know may take is no expense of the tank's. Without any, an arm that rubs empties it.
     """
 
     initial: Strength
     capacity: Strength | None = None
+    friction: NotNegative = 0.0
 
     def __post_init__(self) -> None:
         checked(self)
@@ -57,9 +64,11 @@ class Tank:
     def of(cls, robot: Robot) -> "Tank":
         """The robot's own: the kinetic energy of all joints at their velocity limits, at home.
 
-        ``sum_i M_ii(home) v_i^2 / 2``: moving as fast as it may, the robot carries that much.
+        ``sum_i M_ii(home) v_i^2 / 2``: moving as fast as it may, the robot carries that much. One
+        hundredth of each motor's torque may be friction that the model does not know.
         """
-        return cls(float(np.diagonal(robot.at_home.mass) @ speeds(robot) ** 2) / 2)
+        energy = float(np.diagonal(robot.at_home.mass) @ speeds(robot) ** 2) / 2
+        return cls(energy, friction=UNKNOWN)
 
 
 def speeds(robot: Robot) -> np.ndarray:
@@ -97,9 +106,9 @@ class Energies(NamedTuple):
 class Ledger:
     """The books of one trial: what goes out of the tank, and what must not.
 
-    The work of the motors beyond gravity and the joints' own damping and friction, exact for
-    torques that are held between two steps, is taken from what the controller owns: tank and
-    springs together.
+    The work of the motors beyond gravity and the joints' own damping and friction, known or
+    allowed for, exact for torques that are held between two steps, is taken from what the
+    controller owns: tank and springs together.
     While there is enough, torques pass as they are. Springs that would hold more than is owned
     pull less; what leads the movement is scaled to the work that is left. Dampers stay.
 
@@ -113,6 +122,7 @@ class Ledger:
 
     def __init__(self, robot: Robot, period: float, tank: Tank):
         self._robot, self._period, self._size = robot, period, tank.size
+        self._unknown = tank.friction * robot.torque_limit
         self._every = max(1, round(SETTLED / period))
         # More than the motors can do between two looks.
         self._reserve = self._every * period * float(robot.torque_limit @ speeds(robot))
@@ -191,14 +201,14 @@ class Ledger:
         self._height, self._rows = height, []
 
     def _done(self, state: State) -> tuple[float, float]:
-        """Work of the motors beyond the joints' own damping, and what the dampers took [J]."""
+        """Work of the motors beyond the joints' own losses, and what the dampers took [J]."""
         n = self._robot.n
         rows = np.concatenate((*self._rows, state.x, self._most[n:])).reshape(-1, 3 * n)
         moved = rows[1:, :n] - rows[:-1, :n]
-        rubbed = 0.0
+        # What friction takes was given for it.
+        rubbed = float(np.abs(moved).sum(0).dot(self._unknown))
         if self._robot.has_friction:
-            # What friction takes was given for it.
-            rubbed = float((moved * self._robot.friction_torque(rows[:-1, n : 2 * n])).sum())
+            rubbed += float((moved * self._robot.friction_torque(rows[:-1, n : 2 * n])).sum())
         did = np.minimum(np.maximum(rows[:-1, n:], self._least), self._most)
         if not self._ends:
             work, taken = self._weights.dot(moved.T.dot(did).ravel()).tolist()
@@ -261,7 +271,8 @@ class Ledger:
         rest = torque - spring - damped
         a = h * float(rest @ dq)
         b = h**2 * float(rest @ np.linalg.solve(state.mass, rest))
-        paid = max(self.energies.tank, 0.0) + max(taken, 0.0)
+        rubs = h * float(self._unknown @ np.abs(dq))
+        paid = max(self.energies.tank, 0.0) + max(taken, 0.0) + rubs
         share = 1.0
         if a + b > paid:
             # The larger root of b s^2 + a s = paid, without cancellation.

@@ -135,7 +135,7 @@ def test_effort_is_a_field_that_makes_the_arm_softer(taught):
     situation = draw_situation(task, 1, 0)
     stiffness = [
         perform(replace(task, effort=effort), models, situation, duration=0.1)["stiffness"][0]
-        for effort in (0.05, 0.2)
+        for effort in (100.0, 400.0)  # so soft that the loop does not set the limit
     ]
     # Stiffness is the root of precision over effort, Eq. (34).
     np.testing.assert_allclose(stiffness[0], 2 * stiffness[1], rtol=1e-6)

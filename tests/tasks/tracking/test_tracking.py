@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tpsim.controllers.intervention import bandwidth_for
+from tpsim.controllers.optimal import bandwidth_for
 from tpsim.errors import ArgumentError
 from tpsim.robot.views.observe import observe
 from tpsim.study.record import Records

@@ -499,15 +499,16 @@ def _control(book: Book) -> None:
     add("lab.Impedance.weaker", lab.Impedance(np.eye(2), np.eye(2), START).weaker, factor=2.0)
     add("lab.Skill", lab.Skill, views=dict(SKILL.views), model=SKILL.model)
     prior = Gaussian(START, np.eye(2))
-    for strength in ({"effort": 0.05}, {"bandwidth": 10.0, "friction": 180.0}):
-        add(
-            "lab.MinimalIntervention",
-            lab.MinimalIntervention,
-            skills=[SKILL],
-            prior=prior,
-            period=0.016,
-            **strength,
-        )
+    add(
+        "lab.MinimalIntervention",
+        lab.MinimalIntervention,
+        skills=[SKILL],
+        effort=0.05,
+        bandwidth=10.0,
+        friction=180.0,
+        prior=prior,
+        period=0.016,
+    )
     add(
         "lab.Spring",
         lab.Spring,
@@ -562,8 +563,9 @@ def _control(book: Book) -> None:
         "lab.TimedIntervention",
         lab.TimedIntervention,
         skill=_timed_skill(),
-        effort=0.05,
         until=0.3,
+        effort=0.05,
+        bandwidth=10.0,
         prior=prior,
         period=0.03,
     )

@@ -14,6 +14,7 @@ from tpsim.border import Positive
 from tpsim.catalogue.robots import find
 from tpsim.controllers.minimal_intervention import MinimalIntervention
 from tpsim.controllers.product import Skill
+from tpsim.controllers.torque_cost import acceleration_effort
 from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import fit_tp_gmm
 from tpsim.scene.compose import Held, world
@@ -64,9 +65,12 @@ class CupAndSugar(Task):
     room : float
         Share of the workspace that is taught and tried: 1 for what arms of this length usually
         reach.
+    effort : float
+        Cost of acceleration, beside that with which a usual deviation is worth what springs may
+        pull (:func:`~tpsim.controllers.torque_cost.acceleration_effort`).
     bandwidth : float, optional
-        Natural frequency [Hz] of the most precise direction; by default as fast as the control
-        loop allows.
+        Natural frequency [Hz] that no direction exceeds; by default as fast as the control loop
+        allows.
     friction : float
         What a person feels who leads a hand where it is free [Ns/m].
     components : int
@@ -80,6 +84,7 @@ class CupAndSugar(Task):
     taught: tuple[Literal["cup", "sugar"], ...] = ("cup", "sugar")
     robot: str = DEFAULT
     room: Positive = 1.0
+    effort: Positive = 1.0
     bandwidth: float | None = None
     friction: float = 180.0
     components: int = 1
@@ -140,7 +145,11 @@ class CupAndSugar(Task):
             deviation[world.robot.chain(sugar.RIGHT.name)] = self.hold
             prior = Gaussian(np.array(situation.start), np.diag(deviation**2))
         return MinimalIntervention(
-            skills, bandwidth=self.bandwidth, friction=self.friction, prior=prior
+            skills,
+            effort=self.effort * acceleration_effort(world.robot),
+            bandwidth=self.bandwidth,
+            friction=self.friction,
+            prior=prior,
         )
 
     def goals(self) -> dict[str, Goal]:

@@ -12,8 +12,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from tpsim.border import Positive
 from tpsim.controllers.product import Skill
 from tpsim.controllers.timed_intervention import TimedIntervention
+from tpsim.controllers.torque_cost import acceleration_effort
 from tpsim.demonstration import Demonstration
 from tpsim.gaussian import Gaussian
 from tpsim.learning.subspace import MFA
@@ -54,7 +56,8 @@ class Pointing(Task):
         ``"planar3"``, an arm of three links in the plane, or one of the catalogue (``tpsim
         robots``), or of a file of yours, whose left gripper points in space.
     effort : float
-        Cost of acceleration [s^4/(kg m^2)]: the one number that sets how soft the robot is.
+        Cost of acceleration, beside that with which a usual deviation is worth what springs may
+        pull (:func:`~tpsim.controllers.torque_cost.acceleration_effort`).
     components : int
         Gaussians over time.
     factors : int
@@ -76,7 +79,7 @@ class Pointing(Task):
     """
 
     robot: str = FLAT
-    effort: float = 0.05
+    effort: Positive = 1.0
     components: int = 6
     factors: int = 1
     order: Order = "pooled"
@@ -147,7 +150,7 @@ class Pointing(Task):
         deviation[world.robot.index(self.pointer.joints)] = 10.0
         return TimedIntervention(
             Skill(self.pointer.views, models[self.name]),
-            effort=self.effort,
+            effort=self.effort * acceleration_effort(world.robot),
             until=self.duration,
             prior=Gaussian(np.array(situation.start), np.diag(deviation**2)),
             order=self.order,

@@ -17,6 +17,7 @@ import numpy as np
 from tpsim.border import Count, Positive
 from tpsim.controllers.product import Skill
 from tpsim.controllers.timed_intervention import PERIOD, TimedIntervention
+from tpsim.controllers.torque_cost import acceleration_effort
 from tpsim.demonstration import Demonstration
 from tpsim.gaussian import Gaussian
 from tpsim.learning.dtw import align
@@ -107,7 +108,8 @@ class Serve(Task):
     Parameters
     ----------
     effort : float
-        Cost of acceleration [s^4/(kg m^2)]: the one number that sets how soft the arms are.
+        Cost of acceleration, beside that with which a usual deviation is worth what springs may
+        pull (:func:`~tpsim.controllers.torque_cost.acceleration_effort`).
     components : int
         Gaussians of the movement.
     covariance : str
@@ -123,7 +125,7 @@ class Serve(Task):
         Whose hands show it: ``"human"``, as measured in people, or ``"firm"``, firmer and finer.
     """
 
-    effort: Positive = 0.02
+    effort: Positive = 1.0
     components: Count = 32
     covariance: Covariance = "full"
     samples: Count = 360
@@ -180,7 +182,7 @@ class Serve(Task):
         seen = _CUP_SEEN, _SUGAR_SEEN, _BETWEEN
         return TimedIntervention(
             Skill(VIEWS, model),
-            effort=self.effort,
+            effort=self.effort * acceleration_effort(world.robot),
             until=MOVEMENT,
             progress=HandsProgress(model, *seen, hands, MOVEMENT, PERIOD) if by_state else None,
         )

@@ -16,7 +16,7 @@ import numpy as np
 from tpsim.border import Positive
 from tpsim.catalogue.ours import planar5
 from tpsim.controllers.product import Skill
-from tpsim.controllers.pursuit import STRENGTH, Pursuit
+from tpsim.controllers.pursuit import Pursuit
 from tpsim.controllers.torque_cost import acceleration_effort
 from tpsim.demonstration import Demonstration
 from tpsim.errors import ArgumentError
@@ -59,9 +59,8 @@ class Tracking(Task):
         Teachings: ``"left"``, ``"right"``, ``"compromise"``. Each is a behaviour by itself; the
         learned controller performs the first one.
     effort : float
-        Cost of acceleration, relative to that with which a usual deviation is worth all that
-        springs may pull (:func:`~tpsim.controllers.torque_cost.acceleration_effort`): with 4 the
-        robot is half as stiff where the control loop does not set the limit.
+        Cost of acceleration, beside that with which a usual deviation is worth what springs may
+        pull (:func:`~tpsim.controllers.torque_cost.acceleration_effort`).
     components : int
         Gaussians of each behaviour.
     structure : str
@@ -157,8 +156,9 @@ class Tracking(Task):
         if name not in models:
             raise ArgumentError(f"there is no model of '{name}'; there are {', '.join(models)}")
         skill = Skill(self.views(), models[name])
-        usual = acceleration_effort(world.robot.at_home, STRENGTH)
-        return Pursuit([skill], effort=self.effort * usual)
+        return Pursuit(
+            [skill], effort=self.effort * acceleration_effort(world.robot, Pursuit.strength)
+        )
 
     def goals(self) -> Mapping[str, Goal]:
         """Each hand at its object."""

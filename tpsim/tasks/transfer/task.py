@@ -16,7 +16,7 @@ import numpy as np
 from tpsim.agreement import agree
 from tpsim.border import Positive, Range
 from tpsim.controllers.finite_horizon import FiniteHorizon
-from tpsim.controllers.intervention import bandwidth_for
+from tpsim.controllers.optimal import bandwidth_for
 from tpsim.controllers.seen_poses import POSE
 from tpsim.controllers.torque_cost import effort_of
 from tpsim.demonstration import Demonstration

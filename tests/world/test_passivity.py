@@ -177,7 +177,7 @@ def test_friction_that_is_allowed_for_does_not_empty_the_tank(planar3_world):
         trial = rollout(planar3_world, sways, robot.home, 6.0, plant=plant, tank=tank)
         second = np.floor(trial["time"])
         levels[name] = [trial["energy_tank"][second == k].max() for k in (1, 5)]
-    assert levels["none"][1] < 0.5 * levels["none"][0]
+    assert levels["none"][1] < 0.7 * levels["none"][0]
     assert levels["known"][1] > 0.98 * levels["known"][0]
 
 

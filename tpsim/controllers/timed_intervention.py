@@ -20,6 +20,9 @@ from tpsim.world.impedance import Impedance
 PULL = 0.12
 """Share of the motors' torque that springs ask for where progress stands still."""
 
+STRENGTH = 0.6
+"""The same otherwise, as after a jump of what is asked for: the rest is left for brakes."""
+
 PERIOD = 0.03
 """Time [s] between two adaptations of the mixture to the frames: as often as a camera looks."""
 
@@ -71,7 +74,7 @@ class TimedIntervention(OptimalImpedance):
         super().__init__(period, effort, bandwidth)
         self.skill, self.until = skill, until
         self.prior, self.order, self.progress = prior, order, progress
-        self._patience = Patience(PULL)
+        self._patience = Patience(PULL, STRENGTH)
         affordable(
             "until over period", int(until / period), skill.model.frames[0].dim ** 2, least=0
         )
@@ -96,10 +99,12 @@ class TimedIntervention(OptimalImpedance):
         pace = np.sqrt(stiffness / 2) * (modes.T @ step.mean)
         speed = dtrtrs(L, V @ pace, lower=1, trans=1)[0]
         excess = float((np.abs(speed) / state.robot.velocity_limit).max())
+        strength = STRENGTH
         if velocity is not None:
             now = replace(now, velocity=velocity)
-            pull = np.abs(now.stiffness @ step.mean) / state.robot.torque_limit
-            excess = max(excess, float(pull.max()) / self._patience.strength(time, place, rate))
+            strength = self._patience.strength(time, place, rate)
+        pull = float((np.abs(now.stiffness @ step.mean) / state.robot.torque_limit).max())
+        excess = max(excess, pull / strength)
         return now if excess <= 1 else now.weaker(excess)
 
     def _between(self, state: State, place: float, rate: float) -> tuple[Gaussian, np.ndarray]:

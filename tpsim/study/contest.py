@@ -79,8 +79,11 @@ def site_of(record: Record) -> str:
 
 
 def other_efforts(task: Task) -> dict[str, Task]:
-    """A task at a quarter of its effort and at four times."""
-    efforts = [share * task.effort for share in (0.25, 4.0)]  # type: ignore[attr-defined]
+    """A task at four times its effort, and at sixteen: half and a quarter as stiff.
+
+    Stiffer it would hardly be: at its own effort the control loop sets the limit.
+    """
+    efforts = [share * task.effort for share in (4.0, 16.0)]  # type: ignore[attr-defined]
     return {f"effort {e:.3g}": replace(task, effort=e) for e in efforts}  # type: ignore[type-var]
 
 
@@ -118,7 +121,7 @@ class Contest:
         Controllers of the study that take no part, since they do something else.
     variants : callable
         ``variants(task)``: the same task with other fields, by what is said of them, whose learned
-        controllers are tried, too; a quarter and four times the effort by default.
+        controllers are tried, too; four and sixteen times the effort by default.
     apart : bool
         Whether a run performs the contest after the study's own conditions; otherwise those
         perform it, under its labels.

@@ -179,3 +179,13 @@ def test_joints_at_their_limits_are_named(world):
     near[1], far[0] = robot.upper[1] - 0.04, robot.lower[0] + 0.06
     assert at_limits(robot, np.array([q, near, far])) == (robot.joints[1],)
     assert at_limits(robot, np.array([q, near, far]), 0.1) == robot.joints[:2]
+
+
+def test_a_hand_that_brakes_damps_what_it_holds_and_no_less_than_before():
+    """x'' = -(k x + d x') / m has the damping ratio d / (2 (k m)^1/2)."""
+    grip = Grip(2000.0, 120.0, 60.0, 2.5)
+    heavy = grip.braking(50.0, 2.0, ratio=0.7)
+    for k, d, m in ((2000.0, heavy.damping, 50.0), (60.0, heavy.angular_damping, 2.0)):
+        poles = np.roots([m, d, k])
+        assert -poles[0].real / abs(poles[0]) == pytest.approx(0.7)
+    assert grip.braking(1.0, 0.01) == grip

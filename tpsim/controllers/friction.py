@@ -4,6 +4,7 @@ import numpy as np
 from scipy.linalg.lapack import dgesv, dsyevd, dtrtrs
 
 from tpsim.errors import ArgumentError
+from tpsim.robot.anatomy import felt
 from tpsim.robot.state import State
 from tpsim.robot.views.nullspace import eye
 
@@ -12,15 +13,10 @@ LOOSE = 0.03
 
 
 def felt_mass(state: State) -> float:
-    """Mass [kg] that a person feels at a hand: mean over its principal directions and hands."""
+    """Mass [kg] that a person feels at a hand, mean over the hands."""
     if not state.robot.hands:
         raise ArgumentError("the robot has no hand; friction is what a person feels at one")
-    M, masses = np.linalg.inv(state.mass), []
-    for site in state.robot.hands.values():
-        J = state.jacobian(site)[:3]
-        mobility = np.linalg.eigvalsh(J @ M @ J.T)
-        masses += (1 / mobility[mobility > 1e-9 * mobility[-1]]).tolist()
-    return float(np.mean(masses))
+    return float(np.mean([felt(state, site)[0] for site in state.robot.hands.values()]))
 
 
 def damping(

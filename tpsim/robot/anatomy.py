@@ -1,9 +1,10 @@
-"""Shoulders, elbows, length and strength of arms, found from their kinematics."""
+"""Shoulders, elbows, length, strength and weight of arms, found from their mechanism."""
 
 import numpy as np
 import pinocchio as pin
 
 from tpsim.robot.robot import Robot
+from tpsim.robot.state import State
 
 _POSTURES = 40
 
@@ -54,3 +55,18 @@ def strength(robot: Robot, site: str, q: np.ndarray) -> float:
     spare = robot.torque_limit - np.abs(state.gravity)
     held = np.divide(spare, lever, out=np.full(robot.n, np.inf), where=lever > 1e-9)
     return float(held.min())
+
+
+def felt(state: State, site: str) -> tuple[float, float]:
+    """Mass [kg] and inertia [kg m^2] that a person feels who moves, or turns, a site.
+
+    Means over the principal directions in which it moves at all; zero where there is none.
+    """
+    J = state.jacobian(site)
+    mobility = J @ np.linalg.solve(state.mass, J.T)
+    means = []
+    for rows in (slice(3), slice(3, 6)):
+        values = np.linalg.eigvalsh(mobility[rows, rows])
+        moves = values[values > 1e-9 * max(values[-1], 1e-9)]
+        means.append(float(np.mean(1 / moves)) if len(moves) else 0.0)
+    return means[0], means[1]

@@ -351,6 +351,7 @@ def _people(book: Book) -> None:
     grip = {"stiffness": 400.0, "damping": 40.0, "angular_stiffness": 60.0, "angular_damping": 2.5,
             "max_force": 60.0, "max_torque": 8.0}  # fmt: skip
     add("lab.Grip", lab.Grip, infinite=True, **grip)
+    add("lab.Grip.braking", lab.Grip(**grip).braking, mass=5.0, inertia=0.1, ratio=0.5)
     add(
         "lab.HandPath",
         HandPath,

@@ -254,7 +254,11 @@ def guide(
     way = script(rotations, positions, seconds, h, rng, who.variation, _care(round(seconds / h), 0))
     still = round(rest / h)
     care = _care(round(seconds / h), still)
-    return Guide("left_guide", GRIPPER, who.grip, _with_rest(way, still), sight=sight, care=care)
+    grip = who.grip
+    if teacher == "firm":
+        # A firm hand is so whatever it holds: in one of usual damping a heavy arm swings.
+        grip = grip.braking(*anatomy.felt(world.robot.at_home, GRIPPER))
+    return Guide("left_guide", GRIPPER, grip, _with_rest(way, still), sight=sight, care=care)
 
 
 def _care(steps: int, rest: int) -> Care:

@@ -1,12 +1,12 @@
 """A person's grip that leads the robot: a capped spring and damper on a site."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 
 import numpy as np
 import pinocchio as pin
 
-from tpsim.border import NotNegative, Strength, checked
+from tpsim.border import NotNegative, Positive, Strength, border, checked
 from tpsim.errors import ArgumentError
 from tpsim.pose import Pose
 from tpsim.robot.state import State
@@ -112,6 +112,25 @@ class Grip:
             if size > limit:
                 part *= limit / size
         return wrench
+
+    @border
+    def braking(self, mass: NotNegative, inertia: NotNegative, ratio: Positive = 0.5) -> "Grip":
+        """The same hand, which brakes what it holds: damped no less than a ratio of critical.
+
+        Parameters
+        ----------
+        mass, inertia : float
+            Of what it holds [kg], [kg m^2]: it would swing in a hand whose damping is small.
+        ratio : float
+            Least damping over that of the aperiodic limit, 2 (stiffness mass)^1/2.
+        """
+        moving = 2 * ratio * sqrt(self.stiffness * mass)
+        turning = 2 * ratio * sqrt(self.angular_stiffness * inertia)
+        return replace(
+            self,
+            damping=max(self.damping, moving),
+            angular_damping=max(self.angular_damping, turning),
+        )
 
     def spends(self, wrench: np.ndarray) -> np.ndarray:
         """Whether wrenches (..., 6) take all of its strength (...)."""

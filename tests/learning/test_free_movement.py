@@ -98,7 +98,7 @@ def test_random_free_directions_are_rarely_taken_for_precise():
 def test_a_direction_of_the_product_is_free_up_to_the_same_boundary():
     precision = np.array([0.0, 1.0, BOUNDARY**-2, 1e4])
     share = free_share(precision, np.ones(4))
-    np.testing.assert_allclose(share[:3], [1.0, 1 / (1 + BOUNDARY**4), 0.5])
+    np.testing.assert_allclose(share[:3], [1.0, 1 / (1 + BOUNDARY**8), 0.5])
     assert share[3] < 1e-4
     np.testing.assert_array_equal(free_share(precision, np.zeros(4)), 0)
 

@@ -32,6 +32,11 @@ BOUNDARY = float(np.exp(-SPREAD * np.sqrt(2 * np.log(DECADES / (np.sqrt(2 * np.p
 """Deviation over that of free movement, 0.23, at which both hypotheses are as probable."""
 
 
+SHARP = 4
+"""Exponent with which a direction of a product turns from free to precise at the boundary: as
+sharp as a decision, but no jump as directions change with the posture."""
+
+
 @dataclass(frozen=True, eq=False)
 class Relevance(Part):
     """What one frame says beyond free movement.
@@ -174,6 +179,7 @@ def free_share(precision: ArrayLike, free: ArrayLike) -> np.ndarray:
     free : (n,)
         That it would have if movement was free in the frame that sees it best.
     """
-    beyond, least = np.asarray(precision, float) * BOUNDARY**2, np.asarray(free, float) ** 2
+    beyond = (np.asarray(precision, float) * BOUNDARY**2) ** SHARP
+    least = np.asarray(free, float) ** SHARP
     # Where neither is known nothing is free.
-    return least / np.maximum(beyond**2 + least, 1e-300)
+    return least / np.maximum(beyond + least, 1e-300)

@@ -145,6 +145,42 @@ def test_the_pace_is_that_at_which_no_joint_hurries(monkeypatch):
     assert share >= arrangement.ENOUGH * 2 / 3 and 1.6 < pace < 2.6
 
 
+@pytest.fixture
+def tried(monkeypatch):
+    """Layouts that a search tries, and what comes of each: shares of ways and paces, in turn."""
+    found, answers = [], []
+    monkeypatch.setattr(arrangement, "homes", lambda robot, layout, rng: [robot.home])
+
+    def led(stage, layout):
+        found.append(layout)
+        return answers[len(found) - 1] if len(found) <= len(answers) else (0.0, 1.0)
+
+    monkeypatch.setattr(arrangement, "led", led)
+    return found, answers
+
+
+def test_a_search_takes_the_first_layout_that_is_good_enough(tried, dock_world):
+    layouts, answers = tried
+    # The second one is led everywhere, but so slowly that the arm must be nearly singular.
+    answers += [(0.25, 1.0), (1.0, 3 * arrangement.SLOWEST), (0.75, 1.5), (1.0, 1.0)]
+    found, home_ = arrangement.search(dock_world, "arm")
+    assert len(layouts) == 3 and found == replace(layouts[2], pace=1.5)
+    np.testing.assert_array_equal(home_, dock_world.robot.home)
+    assert layouts[0] == docks.STANDARD
+
+
+def test_a_search_that_finds_little_takes_the_best_or_says_how_little(tried, dock_world):
+    layouts, answers = tried
+    answers += [(0.25, 1.0), (0.5, 1.0), (0.375, 1.0)]
+    assert arrangement.search(dock_world, "arm").layout == layouts[1]
+    assert len(layouts) == len(arrangement.candidates())
+    layouts.clear()
+    answers[1] = (0.3, 1.0)
+    answers[2] = (0.3, 1.0)
+    with pytest.raises(ArgumentError, match=r"arm can be led .* in 30 % of their places at most"):
+        arrangement.search(dock_world, "arm")
+
+
 def test_a_study_of_another_robot_is_made_anew():
     softer = cup_and_sugar.with_task(friction=90.0)
     assert softer.contest.yielding == cup_and_sugar.contest.yielding

@@ -119,6 +119,14 @@ def test_the_report_of_a_plain_study_shows_every_series(toy_run):
     assert page.count("<svg") == 2
 
 
+def test_what_never_comes_is_infinite_and_missed(toy, tmp_path):
+    never = Measure("recovery", of=lambda record: np.inf, unit="s", limit=1.0)
+    answer = running.run(
+        replace(toy, measures=[never]), Plan(0, 1, 1), tmp_path / "new", video=False
+    )
+    assert answer["figures"]["recovery"] == np.inf and answer["missed"] == ["recovery"]
+
+
 def test_a_measure_of_nothing_is_refused_before_anything_runs(toy, tmp_path):
     lost = replace(toy, measures=[Measure("luck")])
     with pytest.raises(ArgumentError, match=r"'luck' has neither of nor whole.*no probe"):

@@ -11,6 +11,7 @@ from tpsim.controllers.optimal import OptimalImpedance
 from tpsim.controllers.product import Skill
 from tpsim.controllers.progress import Patience, Progress
 from tpsim.controllers.timed_product import TimedProduct
+from tpsim.controllers.torque_cost import share_within
 from tpsim.errors import SimulationError
 from tpsim.gaussian import Gaussian
 from tpsim.retrieval.tp_gmr import Order
@@ -21,7 +22,7 @@ PULL = 0.12
 """Share of the motors' torque that springs ask for where progress stands still."""
 
 STRENGTH = 0.6
-"""The same otherwise, as after a jump of what is asked for: the rest is left for brakes."""
+"""Share that springs ask for beyond brakes at any time, as after a jump of what is wanted."""
 
 PERIOD = 0.03
 """Time [s] between two adaptations of the mixture to the frames: as often as a camera looks."""
@@ -74,7 +75,7 @@ class TimedIntervention(OptimalImpedance):
         super().__init__(period, effort, bandwidth)
         self.skill, self.until = skill, until
         self.prior, self.order, self.progress = prior, order, progress
-        self._patience = Patience(PULL, STRENGTH)
+        self._patience = Patience(PULL)
         affordable(
             "until over period", int(until / period), skill.model.frames[0].dim ** 2, least=0
         )
@@ -99,12 +100,13 @@ class TimedIntervention(OptimalImpedance):
         pace = np.sqrt(stiffness / 2) * (modes.T @ step.mean)
         speed = dtrtrs(L, V @ pace, lower=1, trans=1)[0]
         excess = float((np.abs(speed) / state.robot.velocity_limit).max())
-        strength = STRENGTH
+        pull, lag, limit = now.stiffness @ step.mean, state.dq, state.robot.torque_limit
         if velocity is not None:
-            now = replace(now, velocity=velocity)
+            now, lag = replace(now, velocity=velocity), lag - velocity
             strength = self._patience.strength(time, place, rate)
-        pull = float((np.abs(now.stiffness @ step.mean) / state.robot.torque_limit).max())
-        excess = max(excess, pull / strength)
+            excess = max(excess, float((np.abs(pull) / limit).max()) / strength)
+        within = share_within(pull, now.damping @ lag, (STRENGTH * limit) ** -2.0)
+        excess = max(excess, 1 / within)
         return now if excess <= 1 else now.weaker(excess)
 
     def _between(self, state: State, place: float, rate: float) -> tuple[Gaussian, np.ndarray]:

@@ -16,7 +16,7 @@ from tpsim.study.record import Record, Records
 Series = float | np.ndarray
 """What is measured of one trial: a number, or a series (T,)."""
 
-Figure = float | int | None
+Figure = Endless | int | None
 """What came out of all trials; None where it could not be measured."""
 
 

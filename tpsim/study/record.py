@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tpsim.border import border, checked
+from tpsim.border import Endless, border, checked
 from tpsim.checks import shown
 from tpsim.errors import ItemError
 from tpsim.robot.views.observe import observe
@@ -40,7 +40,7 @@ class Record:
     task: Task
     models: Models
     all: "Records" = field(repr=False)
-    numbers: Mapping[str, float | None] = field(default_factory=dict, repr=False)
+    numbers: Mapping[str, Endless | None] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         checked(self)
@@ -131,7 +131,10 @@ class Records(Sequence[Record]):
 
     @border
     def add(
-        self, condition: Condition, trial: Trial, numbers: Mapping[str, float | None] | None = None
+        self,
+        condition: Condition,
+        trial: Trial,
+        numbers: Mapping[str, Endless | None] | None = None,
     ) -> Record:
         """Add what happened under a condition, and what was measured of it already."""
         record = Record(condition, trial, self.task, self.models, self, numbers or {})

@@ -3,6 +3,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 
@@ -191,3 +192,18 @@ def test_an_error_ends_all_processes_at_once():
             pids = [pid for _, pid in workers.map(range(4))]
         raise KeyboardInterrupt
     assert all(gone(pid) for pid in pids)
+
+
+def test_the_end_waits_for_no_worker():
+    """One that holds the lock of the queue, or does not go for another reason, is killed."""
+    with Lender(2) as lender:
+        with Workers(2, slow_then_fast, 1, lender) as workers:
+            (_, stuck), *_ = workers.map(range(4))
+        os.kill(stuck, signal.SIGSTOP)
+        # Asked to go, it would go then.
+        wakes = threading.Timer(8.0, os.kill, (stuck, signal.SIGCONT))
+        wakes.start()
+        began = time.monotonic()
+    took = time.monotonic() - began
+    wakes.cancel()
+    assert took < 4.0 and gone(stuck)

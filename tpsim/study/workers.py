@@ -63,8 +63,18 @@ def processes(count: int) -> Executor:
     # Importing it takes a while, and what runs in one process does without.
     from loky import ProcessPoolExecutor
 
+    class Killed(ProcessPoolExecutor):  # type: ignore[misc]
+        """Its end kills the workers: asked to go, one would wait for ever for another's lock.
+
+        They write under temporary names, so that nothing is half. A worker that dies while it
+        looks for work keeps the lock of the queue.
+        """
+
+        def shutdown(self, wait: bool = True, kill_workers: bool = True) -> None:
+            super().shutdown(wait=wait, kill_workers=True)
+
     with _deaf():
-        return ProcessPoolExecutor(
+        return Killed(
             count,
             timeout=None,
             initializer=end_with,

@@ -11,6 +11,7 @@ import pytest
 import tpsim
 from tpsim.errors import RecordingError
 from tpsim.whole import (
+    abandon,
     newest,
     numbered_folder,
     sweep,
@@ -171,3 +172,15 @@ def test_what_killed_processes_left_is_swept_and_nothing_else(tmp_path):
         mine.touch()
         sweep(tmp_path)
         assert {f.name for f in tmp_path.iterdir()} == {*kept, mine.name}
+
+
+def test_who_ends_at_once_leaves_nothing_half_written(tmp_path):
+    folder, file = whole_folder(tmp_path / "runs" / "one"), whole_file(tmp_path / "two.txt")
+    (folder.__enter__() / "inside").write_text("half")
+    file.__enter__().write(b"half")
+    assert len([path for path in tmp_path.rglob(".*.part*")]) == 2
+    abandon()
+    assert not [path for path in tmp_path.rglob("*") if path.name != "runs"]
+    for one in (folder, file):
+        with pytest.raises(RecordingError):
+            one.__exit__(None, None, None)

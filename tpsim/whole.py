@@ -14,6 +14,7 @@ from typing import BinaryIO
 from tpsim.errors import RecordingError
 
 _count = itertools.count()
+_HALF: set[Path] = set()
 _TAKEN = (errno.EEXIST, errno.ENOTEMPTY, errno.ENOTDIR, errno.EISDIR)
 
 
@@ -46,6 +47,7 @@ def whole_path(path: Path, *, replace: bool = False) -> Iterator[Path]:
         if path.is_dir() or (not replace and os.path.lexists(path)):
             raise _exists(path)
     temporary = _unfinished(path.stem, path, path.suffix)
+    _HALF.add(temporary)
     try:
         with _one_line(path):
             yield temporary
@@ -55,8 +57,7 @@ def whole_path(path: Path, *, replace: bool = False) -> Iterator[Path]:
             else:
                 _name(temporary, path)
     finally:
-        with suppress(OSError):
-            temporary.unlink()
+        _remove(temporary)
 
 
 def write_bytes(path: Path, content: bytes, *, replace: bool = False) -> Path:
@@ -147,12 +148,28 @@ def _new_folder(beside: Path) -> Iterator[Path]:
         beside.parent.mkdir(parents=True, exist_ok=True)
         sweep(beside.parent)
         new = _unfinished(beside.name, beside)
+        _HALF.add(new)
         new.mkdir()
     try:
         with _one_line(beside):
             yield new
     finally:
-        shutil.rmtree(new, ignore_errors=True)
+        _remove(new)
+
+
+def abandon() -> None:
+    """Remove what this process has half written: it ends at once."""
+    for path in list(_HALF):
+        _remove(path)
+
+
+def _remove(path: Path) -> None:
+    if os.path.isdir(path):
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        with suppress(OSError):
+            path.unlink()
+    _HALF.discard(path)
 
 
 def _renamed(new: Path, folder: Path) -> bool:

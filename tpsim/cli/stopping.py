@@ -110,6 +110,8 @@ def _not_raised(about: "sys.UnraisableHookArgs") -> None:
 def _leave() -> None:
     """End this process now, and those that it started."""
     driver.end_others()
+    if whole := sys.modules.get("tpsim.whole"):
+        whole.abandon()
     if not _told:
         with suppress(OSError):
             # Printing may be what it was doing.

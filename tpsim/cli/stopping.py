@@ -62,6 +62,7 @@ def stopped() -> bool:
 def tell(error: BaseException, again: str) -> int:
     """Say in one line what happened and how to start again; return the exit code."""
     global _told
+    _abandon()
     kept = (
         "; ".join(getattr(error, "__notes__", [])) if isinstance(error, KeyboardInterrupt) else ""
     )
@@ -72,6 +73,12 @@ def tell(error: BaseException, again: str) -> int:
             print(line, file=sys.stderr, flush=True)
             sys.stdout.flush()
     return _code()
+
+
+def _abandon() -> None:
+    """Remove what is half written, also where a signal came while it was being removed."""
+    if whole := sys.modules.get("tpsim.whole"):
+        whole.abandon()
 
 
 def _word() -> str:
@@ -110,8 +117,7 @@ def _not_raised(about: "sys.UnraisableHookArgs") -> None:
 def _leave() -> None:
     """End this process now, and those that it started."""
     driver.end_others()
-    if whole := sys.modules.get("tpsim.whole"):
-        whole.abandon()
+    _abandon()
     if not _told:
         with suppress(OSError):
             # Printing may be what it was doing.

@@ -748,7 +748,8 @@ def _studies(book: Book) -> None:
     add("lab.Measure.numbers", measure.numbers, records=RECORDS)
     add("lab.Measure.number", measure.number, record=RECORDS[0])
     add("lab.Measure.series", measure.series, record=RECORDS[0])
-    add("lab.Measure.result", measure.result, value=1.0)
+    # What never comes is infinite.
+    add("lab.Measure.result", measure.result, infinite=True, value=1.0)
     error = lab.Error("gap", len, "mm", 10.0)
     add("lab.Error", lab.Error, name="gap", of=len, unit="mm", scale=10.0, title="Gap")
     add("lab.Range", lab.Range, low=1.0, high=10.0, unit="N/m")

@@ -151,18 +151,19 @@ def test_where_progress_stands_still_springs_grow_weak(planar3_world, skill):
 
     def pull(time):
         now = law.renew(state, time)
-        torque = np.abs(now.stiffness @ (now.reference - state.q))
-        return float((torque / state.robot.torque_limit).max()), now.damping
+        springs = now.stiffness @ (now.reference - state.q) / state.robot.torque_limit
+        brakes = now.damping @ (state.dq - now.velocity) / state.robot.torque_limit
+        return float(np.abs(springs).max()), np.linalg.norm(springs - brakes), now.damping
 
-    going, damping = pull(0.0)
+    _, going, damping = pull(0.0)
     progress.rate = 0.0
     held = [pull(t) for t in (0.5, 1.0, 5.0, 9.0)]
-    assert going > 0.3
-    assert [share for share, _ in held[:2]] == pytest.approx(
+    assert going == pytest.approx(STRENGTH)
+    assert [share for share, *_ in held[:2]] == pytest.approx(
         [PULL + (1 - PULL) * np.exp(-t / PATIENCE) for t in (0.5, 1.0)]
     )
     assert held[-1][0] == pytest.approx(PULL, rel=1e-2)
-    np.testing.assert_array_equal(held[-1][1], damping)  # dampers keep their strength
+    np.testing.assert_array_equal(held[-1][2], damping)  # dampers keep their strength
 
 
 def test_between_two_adaptations_the_spring_holds(planar3_world, skill):

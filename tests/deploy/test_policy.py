@@ -186,13 +186,13 @@ def integrated(policy, start, duration, h=1e-3):
     return np.array(way)
 
 
-def test_a_second_engine_goes_the_same_way(learned, folder_of):
-    """Pinocchio instead of MuJoCo: a millimetre apart on the way, a fifth of that at the end.
-
-    What stays apart is where nothing pulls back: the arm rests where its momentum took it.
-    """
+def test_a_second_engine_goes_the_same_way(learned, tmp_path):
+    """Pinocchio instead of MuJoCo: a millimetre apart on the way, a tenth of that at the end."""
     task, models = learned("MinimalIntervention")
-    policy, situation = Policy.load(folder_of("MinimalIntervention")), draw_situation(task, 0, 0)
+    # Stiffer, steps of a millisecond alone make more of a difference.
+    task = replace(task, effort=64.0)
+    policy = Policy.load(Policy(task, models).save(tmp_path / "policy"))
+    situation = draw_situation(task, 0, 0)
     # Off its place in every direction, so that cup and sugar have a way to go.
     shift = 0.05 * np.random.default_rng(0).standard_normal(policy.robot.n)
     start = tuple((np.array(situation.start) + shift).tolist())
@@ -202,7 +202,7 @@ def test_a_second_engine_goes_the_same_way(learned, folder_of):
         there = np.array([policy.robot.at(q).pose(site).position for q in way])
         apart = np.linalg.norm(there - trial[f"{site}_position"], axis=1)
         travelled = np.linalg.norm(there - there[0], axis=1).max()
-        assert travelled > 0.01 and apart.max() < 1e-3 and apart[-1] < 2e-4
+        assert travelled > 0.01 and apart.max() < 1e-3 and apart[-1] < 1e-4
 
 
 def test_another_period_renews_as_often(learned, folder_of):

@@ -47,7 +47,6 @@ def whole_path(path: Path, *, replace: bool = False) -> Iterator[Path]:
         if path.is_dir() or (not replace and os.path.lexists(path)):
             raise _exists(path)
     temporary = _unfinished(path.stem, path, path.suffix)
-    _HALF.add(temporary)
     try:
         with _one_line(path):
             yield temporary
@@ -148,7 +147,6 @@ def _new_folder(beside: Path) -> Iterator[Path]:
         beside.parent.mkdir(parents=True, exist_ok=True)
         sweep(beside.parent)
         new = _unfinished(beside.name, beside)
-        _HALF.add(new)
         new.mkdir()
     try:
         with _one_line(beside):
@@ -232,6 +230,7 @@ def _unfinished(name: str, path: Path, suffix: str = "") -> Path:
         owner = f"{_machine()}-{os.getpid()}-{next(_count)}"
         found = path.with_name(f".{name}.{owner}.part{suffix}")
         if not os.path.lexists(found):  # a process of this number may have been killed before
+            _HALF.add(found)
             return found
 
 

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.linalg.lapack import dposv
 
+from tpsim.robot.anatomy import mobility
 from tpsim.robot.robot import Robot
 
 STRENGTH = 0.3
@@ -50,12 +50,6 @@ def held(robot: Robot, arm: slice) -> float:
     """
     rubs = float(np.linalg.norm(robot.friction[arm] / robot.torque_limit[arm]))
     return min(HELD + rubs, STRENGTH)
-
-
-def mobility(M: np.ndarray, J: np.ndarray) -> np.ndarray:
-    """Acceleration (6, 6) of a hand by a wrench, J M^-1 J^T, for J (6, m) and M (m, m)."""
-    found: np.ndarray = J @ dposv(M, J.T)[1]
-    return found
 
 
 def felt_inertia(M: np.ndarray, J: np.ndarray, least: float) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pinocchio as pin
+from scipy.linalg.lapack import dposv
 
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
@@ -57,16 +58,20 @@ def strength(robot: Robot, site: str, q: np.ndarray) -> float:
     return float(held.min())
 
 
+def mobility(M: np.ndarray, J: np.ndarray) -> np.ndarray:
+    """Acceleration (6, 6) of a hand by a wrench, J M^-1 J^T, for J (6, m) and M (m, m)."""
+    found: np.ndarray = J @ dposv(M, J.T)[1]
+    return found
+
+
 def felt(state: State, site: str) -> tuple[float, float]:
     """Mass [kg] and inertia [kg m^2] that a person feels who moves, or turns, a site.
 
     Means over the principal directions in which it moves at all; zero where there is none.
     """
-    J = state.jacobian(site)
-    mobility = J @ np.linalg.solve(state.mass, J.T)
-    means = []
+    moved, means = mobility(state.mass, state.jacobian(site)), []
     for rows in (slice(3), slice(3, 6)):
-        values = np.linalg.eigvalsh(mobility[rows, rows])
+        values = np.linalg.eigvalsh(moved[rows, rows])
         moves = values[values > 1e-9 * max(values[-1], 1e-9)]
         means.append(float(np.mean(1 / moves)) if len(moves) else 0.0)
     return means[0], means[1]

@@ -27,7 +27,7 @@ class Lender:
         return self
 
     def __exit__(self, kind: object, error: object, trace: object) -> None:
-        self.end(at_once=kind is not None)
+        self.end()
 
     def __call__(self, count: int) -> Executor:
         """An executor, whatever ``count`` is: fewer than all may be used at a time."""
@@ -35,11 +35,11 @@ class Lender:
             self._processes = processes(self._count)
         return _Lent(self, self._processes)
 
-    def end(self, *, at_once: bool) -> None:
+    def end(self) -> None:
         """End the processes, if there are any."""
         lent, self._processes = self._processes, None
         if lent is not None:
-            shut_down(lent, at_once=at_once)
+            shut_down(lent, at_once=True)
 
 
 class _Lent(Executor):
@@ -57,4 +57,4 @@ class _Lent(Executor):
     ) -> None:
         """Give the processes back; with ``kill_workers`` nobody gets them again."""
         if kill_workers:
-            self._lender.end(at_once=True)
+            self._lender.end()

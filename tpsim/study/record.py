@@ -15,6 +15,9 @@ from tpsim.study.condition import Condition
 from tpsim.task.task import Models, Task
 from tpsim.world.trial import Trial
 
+Numbers = Mapping[str, Endless | None]
+"""What a trial comes to, by the names of measures; what never comes is infinite."""
+
 _SEEN = 64
 """Values of views along trials that are kept, the latest; what was seen before is seen again."""
 
@@ -40,7 +43,7 @@ class Record:
     task: Task
     models: Models
     all: "Records" = field(repr=False)
-    numbers: Mapping[str, Endless | None] = field(default_factory=dict, repr=False)
+    numbers: Numbers = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         checked(self)
@@ -130,12 +133,7 @@ class Records(Sequence[Record]):
         self._records = [Record(c, t, task, models, self) for c, t in trials]
 
     @border
-    def add(
-        self,
-        condition: Condition,
-        trial: Trial,
-        numbers: Mapping[str, Endless | None] | None = None,
-    ) -> Record:
+    def add(self, condition: Condition, trial: Trial, numbers: Numbers | None = None) -> Record:
         """Add what happened under a condition, and what was measured of it already."""
         record = Record(condition, trial, self.task, self.models, self, numbers or {})
         self._records.append(record)

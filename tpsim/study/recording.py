@@ -12,7 +12,7 @@ from tpsim.study.executor import perform_each
 from tpsim.study.files.run import Run, open_run, run_folder
 from tpsim.study.files.stored import Stub
 from tpsim.study.measure import concerns
-from tpsim.study.record import Lost, Record, Records
+from tpsim.study.record import Lost, Numbers, Record, Records
 from tpsim.study.study import Study
 from tpsim.study.workers import Death, Executors
 from tpsim.task.task import Models
@@ -21,9 +21,6 @@ from tpsim.world.trial import Trial
 
 Answer = dict[str, object]
 """What came out: plain values by name."""
-
-Numbers = Mapping[str, float | None]
-"""What measures say of one trial, by their names."""
 
 
 def say(message: str) -> None:

@@ -95,7 +95,7 @@ def run(
         opened.save_models(models)
         lab = Lab(study, models, taught)
         records = _experiment(opened, lab, plan, workers, executor, progress)
-        lender.end(at_once=False)
+        lender.end()
         say("measuring")
         results = figures.results(lab, records)
         if look is not None:

@@ -99,6 +99,38 @@ def test_what_python_says_itself_is_left_to_it():
         call(other=1)
 
 
+@border
+def several(
+    first: Count, /, second: Positive = 1.0, *rest: Positive, last: Count = 1, **named: int
+):
+    """Return what came through."""
+    return first, second, rest, last, named
+
+
+def test_arguments_of_every_kind_find_their_readers():
+    assert several(1, 2, 3, 4, last=np.uint8(5), more=6) == (1, 2.0, (3.0, 4.0), 5, {"more": 6})
+    assert several(1, second=2) == (1, 2.0, (), 1, {})
+    for given, named, words in (
+        ((0,), {}, "first is 0"),
+        ((1, 0), {}, "second is 0"),
+        ((1, 2, 3, -4), {}, r"rest\[1\] is -4"),
+        ((1,), {"second": -1}, "second is -1"),
+        ((1,), {"last": 0.5}, "last is 0.5"),
+    ):
+        with pytest.raises(ArgumentError, match=words):
+            several(*given, **named)
+    # A name that stands for its place only, or for the rest, may be anybody's.
+    assert several(1, first=2, rest=3)[-1] == {"first": 2, "rest": 3}
+    for given, named, words in (
+        ((), {}, "missing 1 required positional"),
+        ((1, 2), {"second": 3}, "multiple values for argument 'second'"),
+    ):
+        with pytest.raises(TypeError, match=words):
+            several(*given, **named)
+    with pytest.raises(TypeError, match="positional arguments but 11"):
+        call(1, 1, 3, (), "stops", (0, 0, 0), None, None, "a", None, 11)
+
+
 @dataclass(frozen=True, eq=False)
 class LongName:
     path: np.ndarray

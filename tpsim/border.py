@@ -24,10 +24,14 @@ import numpy as np
 
 from tpsim import checks
 from tpsim.errors import ArgumentError
-from tpsim.hints import Reader, reader, resolved
+from tpsim.hints import Reader, anything, reader, resolved
 
 Given = ParamSpec("Given")
 Answer = TypeVar("Answer")
+
+_IN_PLACE = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+_NAMED = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+_REST = inspect.Parameter.VAR_POSITIONAL
 
 
 @dataclass(frozen=True)
@@ -78,23 +82,32 @@ Point = tuple[float, float, float]
 
 def border(function: Callable[Given, Answer]) -> Callable[Given, Answer]:
     """Check the arguments of a function by their annotations, and call it."""
-    signature = inspect.signature(function)
-    kinds = {name: parameter.kind for name, parameter in signature.parameters.items()}
+    kinds = {name: one.kind for name, one in inspect.signature(function).parameters.items()}
+    places = [name for name, kind in kinds.items() if kind in _IN_PLACE]
+    named = {name for name, kind in kinds.items() if kind in _NAMED}
+    rest = next((name for name, kind in kinds.items() if kind is _REST), "")
+    count = len(places)
+
+    @cache
+    def readers() -> tuple[list[tuple[str, Reader]], dict[str, Reader]]:
+        known = _readers_of(function)
+        return (
+            [(name, known.get(name, anything)) for name in places],
+            {name: read for name, read in known.items() if name in named},
+        )
 
     @wraps(function)
     def checked_call(*args: Given.args, **kwargs: Given.kwargs) -> Answer:
-        try:
-            bound = signature.bind(*args, **kwargs)
-        except TypeError:
-            return function(*args, **kwargs)  # which says itself what is missing
-        readers, given = _readers_of(function), bound.arguments
-        for name in given.keys() & readers.keys():
-            read, value = readers[name], given[name]
-            if kinds[name] is inspect.Parameter.VAR_POSITIONAL:
-                given[name] = tuple(read(f"{name}[{i}]", one) for i, one in enumerate(value))
-            elif kinds[name] is not inspect.Parameter.VAR_KEYWORD:
-                given[name] = read(name, value)
-        return function(*bound.args, **bound.kwargs)
+        in_place, by_name = readers()
+        # What is missing, unknown or too many, Python says itself when the function is called.
+        found = [read(name, value) for (name, read), value in zip(in_place, args, strict=False)]
+        if len(args) > count:
+            over = _readers_of(function).get(rest, anything)
+            found += [over(f"{rest}[{i}]", value) for i, value in enumerate(args[count:])]
+        for name in kwargs:
+            if name in by_name:
+                kwargs[name] = by_name[name](name, kwargs[name])
+        return cast(Any, function)(*found, **kwargs)
 
     return checked_call
 

@@ -43,7 +43,7 @@ def reader(hint: object) -> Reader:
     """How values of a hint are read."""
     origin, args = get_origin(hint), get_args(hint)
     if origin is ClassVar:
-        return _anything
+        return anything
     if origin is Annotated:
         own = [extra for extra in args[1:] if hasattr(extra, "read")]
         if own and args[0] is int:
@@ -55,7 +55,7 @@ def reader(hint: object) -> Reader:
         return partial(_choice, allowed=args)
     if origin is tuple:
         if args[-1] is Ellipsis:
-            return partial(_sequence, item=reader(args[0]), alone=args[0], form=tuple)
+            return _sequence_of(args[0], tuple)
         return partial(_fixed, items=[reader(arg) for arg in args])
     if origin is np.ndarray:
         return checks.finite_array
@@ -64,7 +64,7 @@ def reader(hint: object) -> Reader:
     if isinstance(origin, type) and issubclass(origin, Mapping):
         return partial(_mapping, key=reader(args[0]), item=reader(args[1]))
     if isinstance(origin, type) and issubclass(origin, Iterable):
-        return partial(_sequence, item=reader(args[0]), alone=args[0], form=list)
+        return _sequence_of(args[0], list)
     return _callable if Callable in (hint, origin) else _plain(hint)
 
 
@@ -83,7 +83,7 @@ def _plain(hint: object) -> Reader:
     if hint in known:
         return known[hint]
     if not isinstance(hint, type) or hint in (object, Any):
-        return _anything
+        return anything
     if getattr(hint, "_is_protocol", False):
         return partial(_protocol, kind=hint)
     return partial(_instance, kind=hint)
@@ -102,7 +102,13 @@ def _union(args: tuple[object, ...]) -> Reader:
     readers = [reader(arm) for arm in arms if arm is not type(None)]
     if set(args) >= _ARRAY:
         readers.append(checks.finite_array)
+    if len(readers) == 1:
+        return partial(_optional, read=readers[0]) if type(None) in args else readers[0]
     return partial(_either, readers=readers, none=type(None) in args)
+
+
+def _optional(name: str, value: object, read: Reader) -> object:
+    return None if value is None else read(name, value)
 
 
 def _either(name: str, value: object, readers: list[Reader], none: bool) -> object:
@@ -123,14 +129,21 @@ def _either(name: str, value: object, readers: list[Reader], none: bool) -> obje
     raise ArgumentError(said + also)
 
 
-def _sequence(name: str, value: object, item: Reader, alone: object, form: type) -> object:
-    kinds = get_args(alone) if get_origin(alone) in (Union, types.UnionType) else (alone,)
+def _sequence_of(hint: object, form: type) -> Reader:
+    """Reader of any number of things of a hint; one alone counts as a sequence of one."""
+    kinds = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
     own = [kind for kind in kinds if isinstance(kind, type) and kind not in _ARRAY]
-    if any(_fits(value, kind) for kind in own):
-        value = [value]
-    return form(
-        item(f"{name}[{i}]", one) for i, one in enumerate(checks.entries(name, value, tables=False))
-    )
+    return partial(_sequence, item=reader(hint), own=own, form=form)
+
+
+def _sequence(name: str, value: object, item: Reader, own: list[type], form: type) -> object:
+    if type(value) not in (list, tuple):
+        value = (
+            [value]
+            if any(_fits(value, kind) for kind in own)
+            else checks.entries(name, value, tables=False)
+        )
+    return form([item(f"{name}[{i}]", one) for i, one in enumerate(cast(Iterable[object], value))])
 
 
 def _fixed(name: str, value: object, items: list[Reader]) -> tuple[object, ...]:
@@ -148,7 +161,8 @@ def _mapping(name: str, value: object, key: Reader, item: Reader) -> Mapping[obj
     return {key(f"a key of {name}", k): item(f"{name}[{k!r}]", one) for k, one in value.items()}
 
 
-def _anything(name: str, value: object) -> object:
+def anything(name: str, value: object) -> object:
+    """Whatever was given, as it is."""
     return value
 
 

@@ -1,6 +1,9 @@
 """Films from recorded movements: what is drawn, how long they last, and what is refused."""
 
 import dataclasses
+import os
+import subprocess
+import sys
 
 import imageio_ffmpeg
 import mujoco
@@ -142,6 +145,28 @@ def test_without_a_renderer_the_error_names_the_packages(clip, tmp_path, monkeyp
 
 def test_probe_survives_a_backend_that_cannot_be_imported():
     assert not rendering._draws("no such backend")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the library of glfw has another name")
+def test_mujoco_is_imported_without_a_process_of_glfw():
+    code = """
+import subprocess, sys
+from tpsim.film.rendering import name_glfw
+name_glfw()
+subprocess.Popen = None  # glfw's search starts two
+import mujoco, glfw.library
+assert glfw.library.glfw is not None
+mujoco.GLContext
+"""
+    ours = (rendering.LIBRARY, rendering.VARIABLE)
+    environment = {key: value for key, value in os.environ.items() if key not in ours}
+    subprocess.run([sys.executable, "-c", code], env=environment, check=True)
+
+
+def test_a_library_of_glfw_that_is_named_is_left(monkeypatch):
+    monkeypatch.setenv(rendering.LIBRARY, "/mine.so")
+    rendering.name_glfw()
+    assert os.environ[rendering.LIBRARY] == "/mine.so"
 
 
 def test_unknown_camera_names_those_that_exist(clip, tmp_path):

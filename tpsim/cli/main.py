@@ -75,6 +75,7 @@ def _answered(words: list[str]) -> int:
     from tpsim.cli.parse import parse
     from tpsim.film import rendering
 
+    rendering.name_glfw()
     if told := rendering.disarm():
         print(f"tpsim: {told}", file=sys.stderr)
     try:

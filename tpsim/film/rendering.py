@@ -9,11 +9,16 @@ import functools
 import os
 import subprocess
 import sys
+from importlib.util import find_spec
+from pathlib import Path
 
 from tpsim.errors import RenderingError, one_line
 
 VARIABLE = "MUJOCO_GL"
 """Environment variable that names mujoco's renderer."""
+
+LIBRARY = "PYGLFW_LIBRARY"
+"""Environment variable that names the library that glfw loads."""
 
 BACKENDS = {"linux": ("egl", "osmesa"), "darwin": ("cgl",), "win32": ("wgl",)}
 """Values of ``MUJOCO_GL`` that draw without a window, by ``sys.platform``."""
@@ -52,6 +57,22 @@ def environment() -> dict[str, str]:
     if name is None:
         raise RenderingError(HINT)
     return {**os.environ, VARIABLE: name}
+
+
+def name_glfw() -> None:
+    """Name the library that comes with glfw's package, where the user named none.
+
+    mujoco imports glfw, whose own search starts Python twice; these processes print a traceback
+    each when the one that started them dies meanwhile, as workers and stopped commands do.
+    """
+    found = find_spec("glfw")
+    if found is None or found.origin is None or LIBRARY in os.environ:
+        return
+    windows = os.environ.get("PYGLFW_LIBRARY_VARIANT") or os.environ.get("XDG_SESSION_TYPE")
+    variant = "wayland" if str(windows).lower() == "wayland" else "x11"
+    file = Path(found.origin).parent / variant / "libglfw.so"
+    if file.exists():
+        os.environ[LIBRARY] = str(file)
 
 
 def disarm() -> str | None:

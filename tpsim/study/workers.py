@@ -27,6 +27,7 @@ import cloudpickle
 
 from tpsim.driver import end_with
 from tpsim.errors import SimulationError, TpsimError, one_line, place
+from tpsim.film.rendering import name_glfw
 
 G = TypeVar("G")
 A = TypeVar("A")
@@ -73,6 +74,7 @@ def processes(count: int) -> Executor:
         def shutdown(self, wait: bool = True, kill_workers: bool = True) -> None:
             super().shutdown(wait=wait, kill_workers=True)
 
+    name_glfw()
     with _deaf():
         return Killed(
             count,

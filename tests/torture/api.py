@@ -68,7 +68,7 @@ INSIDE = {
     ),
     **dict.fromkeys(
         [f"lab.{kind}.{step}" for step in ("command", "kinds", "labels", "manifold", "product",
-         "renew", "resolved", "rows", "see", "value_at", "moving", "bind") for kind in KINDS],
+         "renew", "resolved", "rows", "see", "along", "moving", "bind") for kind in KINDS],
         "its author writes it, the roll-out calls it at every time step",
     ),
     **dict.fromkeys(

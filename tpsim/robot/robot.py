@@ -224,7 +224,7 @@ class Robot:
 
     def chain(self, site: str) -> np.ndarray:
         """Indices (k,) in q of the joints that move a site."""
-        frame = self._pin.frames[self._site(site)]
+        frame = self._pin.frames[self.frame_of(site)]
         supports = self._pin.supports[frame.parentJoint]
         return np.array([joint - 1 for joint in supports if joint > 0], int)
 
@@ -247,7 +247,8 @@ class Robot:
         weight = np.abs(self.gravity_torque(q)) / self.torque_limit
         return bool(room > margin and weight.max() < load)
 
-    def _site(self, name: str) -> int:
+    def frame_of(self, name: str) -> int:
+        """Frame of a site in Pinocchio's model."""
         if not isinstance(name, str) or name not in self.sites:
             raise SimulationError(f"no site {shown(name)} on the robot, only {sorted(self.sites)}")
         return self.sites[name]
@@ -287,14 +288,14 @@ class Robot:
 
     def compute_pose(self, state: State, site: str) -> Pose:
         """Pose of a site in the world."""
-        frame = self._site(site)
+        frame = self.frame_of(site)
         self._place(state)
         placement = self._kinematics.oMf[frame].homogeneous
         return Pose(placement[:3, :3], placement[:3, 3])
 
     def compute_jacobian(self, state: State, site: str) -> np.ndarray:
         """Jacobian (6, n) of a site, world-aligned."""
-        frame = self._site(site)
+        frame = self.frame_of(site)
         self._place(state)
         J = pin.getFrameJacobian(self._pin, self._kinematics, frame, _ALIGNED)
         return J.reshape(6, -1)

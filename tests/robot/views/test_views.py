@@ -185,7 +185,36 @@ def test_observations_are_the_values_along_a_path(cup_world):
     )
     assert pose.shape == (4, 6)
     np.testing.assert_allclose(seen, pose[:, :3] - [0.5, 0.1, 0.0], atol=1e-12)
-    np.testing.assert_array_equal(pose[2], Site("cup").pose(robot.at(q[2])).value)
+    np.testing.assert_allclose(pose[2], Site("cup").pose(robot.at(q[2])).value, atol=1e-14)
+
+
+@pytest.mark.parametrize("which", ["baxter", "planar", "jaco"])
+def test_every_view_sees_along_a_movement_what_it_sees_at_its_instants(robots, which):
+    robot, hand, other = robots[which]
+    quaternions = {
+        "quaternion": Site(hand).quaternion,
+        "quaternion from object": Site(hand).seen_from(BOX).quaternion,
+        "posture beneath": Joints().beneath(Site(hand).position),
+    }
+    known = views(hand, other) | quaternions
+    moments = list(states(robot, count=5, spread=1.0))
+    q = np.array([posture for posture, _ in moments])
+    boxes = [objects["box"] for _, objects in moments]
+    box = np.array([b.position for b in boxes]), np.array([b.quaternion for b in boxes])
+    found = observe(robot, list(known.values()), q, {"box": box})
+    for (name, view), values in zip(known.items(), found, strict=True):
+        one = np.array([view(robot.at(posture, objects=o)).value for posture, o in moments])
+        if "quaternion" in name:
+            one *= np.sign(np.vecdot(one, values))[:, None]
+        np.testing.assert_allclose(values, one, atol=1e-9, err_msg=name)
+
+
+def test_what_is_not_there_is_named_along_a_movement_too(cup_world):
+    robot = cup_world.robot
+    with pytest.raises(SimulationError, match=r"no site 'tool'.*left_gripper"):
+        observe(robot, [Site("tool").pose], robot.home[None])
+    with pytest.raises(SimulationError, match="no object 'box'"):
+        observe(robot, [Site("cup").seen_from(BOX).pose], robot.home[None])
 
 
 def test_a_view_is_seen_once_at_a_state(cup_world):

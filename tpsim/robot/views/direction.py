@@ -14,6 +14,7 @@ import pinocchio as pin
 from tpsim.border import checked
 from tpsim.checks import shown
 from tpsim.errors import ArgumentError
+from tpsim.robot.along import Along
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
 from tpsim.robot.views.view import Seen, View
@@ -67,17 +68,16 @@ class Direction(View):
 
     def see(self, state: State) -> Seen:
         """Value and Jacobian at a state."""
-        axis, views = self._axis(state), self.resolved(state.robot, self._views)
+        axis = state.pose(self.site).rotation[:, AXES.index(self.axes[0])]
+        views = self.resolved(state.robot, self._views)
         y, slope = _angles(views @ axis)
         J = -(slope @ views) @ pin.skew(axis) @ state.jacobian(self.site)[3:]
         return Seen(y, J, np.zeros(len(y)))
 
-    def value_at(self, state: State) -> np.ndarray:
-        """Value at a state."""
-        return _angles(self.resolved(state.robot, self._views) @ self._axis(state))[0]
-
-    def _axis(self, state: State) -> np.ndarray:
-        return state.pose(self.site).rotation[:, AXES.index(self.axes[0])]
+    def along(self, movement: Along) -> np.ndarray:
+        """Values along a movement."""
+        axes = movement.pose(self.site).rotation[..., AXES.index(self.axes[0])]
+        return _angles_along(axes @ self.resolved(movement.robot, self._views).T)
 
     def _views(self, robot: Robot) -> np.ndarray:
         """Axes (d + 1, 3) of the reference, in the rows."""
@@ -116,22 +116,22 @@ class Bearing(View):
 
     def see(self, state: State) -> Seen:
         """Value, Jacobian and drift at a state."""
-        views, sight = self._sight(state)
+        R, p = state.pose(self.site)
+        views, sight = self._views(R), state.objects[self.target].position - p
         y, slope = _angles(views @ sight)
         slope, J = slope @ views, state.jacobian(self.site)
         drift = slope @ state.objects[self.target].velocity
         return Seen(y, slope @ pin.skew(sight) @ J[3:] - slope @ J[:3], drift)
 
-    def value_at(self, state: State) -> np.ndarray:
-        """Value at a state."""
-        views, sight = self._sight(state)
-        return _angles(views @ sight)[0]
+    def along(self, movement: Along) -> np.ndarray:
+        """Values along a movement."""
+        R, p = movement.pose(self.site)
+        sight = movement.object(self.target).position - p
+        return _angles_along((self._views(R) @ sight[..., None])[..., 0])
 
-    def _sight(self, state: State) -> tuple[np.ndarray, np.ndarray]:
-        """Axes (d + 1, 3) of the site, in the rows, and the way (3,) to the object [m]."""
-        R, p = state.pose(self.site)
-        views = R.T[[AXES.index(axis) for axis in self.axes]]
-        return views, state.objects[self.target].position - p
+    def _views(self, R: np.ndarray) -> np.ndarray:
+        """Axes (..., d + 1, 3) of the site, in the rows."""
+        return R.mT[..., [AXES.index(axis) for axis in self.axes], :]
 
 
 def _check_axes(axes: str) -> None:
@@ -149,13 +149,7 @@ def _angles(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     turning counts no more; a vector shorter than NEAR has the angles of one that long, scaled down
     in proportion, since its direction means little. In plain numbers: arrays so small cost more.
     """
-    ahead, *across = v.tolist()
-    wide = hypot(*across)
-    length = hypot(ahead, wide)
-    sine, cosine = (wide / length, ahead / length) if length else (0.0, 1.0)
-    # Straight ahead and straight behind, any way around is as good as any other.
-    heading = [a / wide for a in across] if wide else [1.0, 0.0][: len(across)]
-    angle = atan2(sine, cosine)
+    found, length, angle, sine, cosine, heading = _polar(*v.tolist())
     stretch = angle / max(sine, BEHIND) if cosine < 0 else angle / sine if sine else 1.0
     grow = max(length, NEAR)
     fade = angle if length < NEAR else 0.0
@@ -167,4 +161,23 @@ def _angles(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         ]
         for i, h in enumerate(heading)
     ]
-    return np.array([length / grow * angle * h for h in heading]), np.array(derivative)
+    return np.array(found), np.array(derivative)
+
+
+def _angles_along(v: np.ndarray) -> np.ndarray:
+    """The same angles (T, d) of vectors v (T, d + 1)."""
+    return np.array([_polar(*row)[0] for row in v.tolist()])
+
+
+def _polar(
+    ahead: float, *across: float
+) -> tuple[list[float], float, float, float, float, list[float]]:
+    """Angles (d,) of a vector, its length, the angle with its sine and cosine, and the heading."""
+    wide = hypot(*across)
+    length = hypot(ahead, wide)
+    sine, cosine = (wide / length, ahead / length) if length else (0.0, 1.0)
+    # Straight ahead and straight behind, any way around is as good as any other.
+    heading = [a / wide for a in across] if wide else [1.0, 0.0][: len(across)]
+    angle = atan2(sine, cosine)
+    share = length / max(length, NEAR) * angle
+    return [share * h for h in heading], length, angle, sine, cosine, heading

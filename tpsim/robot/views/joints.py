@@ -7,6 +7,7 @@ import numpy as np
 from tpsim.border import Positive, checked
 from tpsim.checks import finite_array
 from tpsim.errors import ArgumentError
+from tpsim.robot.along import Along
 from tpsim.robot.indices import Names
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
@@ -45,6 +46,10 @@ class Joints(View):
         index = state.robot.span(self.names)
         rows = self.resolved(state.robot, self._rows)
         return Seen(state.q[index], rows, np.zeros(len(rows)))
+
+    def along(self, movement: Along) -> np.ndarray:
+        """Values along a movement."""
+        return movement.q[:, movement.robot.span(self.names)].astype(float)
 
     def _rows(self, robot: Robot) -> np.ndarray:
         return np.eye(robot.n)[robot.index(self.names)]

@@ -8,9 +8,8 @@ from tpsim.border import border
 from tpsim.errors import ArgumentError
 from tpsim.manifold.manifold import Manifold
 from tpsim.manifold.orientations import Rotations
-from tpsim.robot.objects import Objects
+from tpsim.robot.along import Along
 from tpsim.robot.robot import Robot
-from tpsim.robot.state import State
 from tpsim.robot.views.view import View
 from tpsim.rotation import continuous
 
@@ -41,19 +40,8 @@ def observe(
                 f"objects[{name!r}] has positions of shape {positions.shape} and quaternions of "
                 f"{quaternions.shape}; give ({len(q)}, 3) and ({len(q)}, 4)"
             )
-    rows = {name: row for row, name in enumerate(objects or {})}
-    positions, quaternions = _beside(objects, 0, 3, len(q)), _beside(objects, 1, 4, len(q))
-    values: list[list[np.ndarray]] = [[] for _ in views]
-    at_rest = np.hstack((q, np.zeros_like(q)))
-    at_rest.flags.writeable = False
-    for t, x in enumerate(at_rest):
-        state = State(robot, x, Objects(rows, positions[t], quaternions[t]))
-        for column, view in zip(values, views, strict=True):
-            column.append(view.value_at(state))
-    return [
-        _continuous(view.manifold(robot), np.array(column))
-        for view, column in zip(views, values, strict=True)
-    ]
+    movement = Along(robot, q, objects or {})
+    return [_continuous(view.manifold(robot), view.along(movement)) for view in views]
 
 
 def _continuous(manifold: Manifold, seen: np.ndarray) -> np.ndarray:
@@ -62,14 +50,6 @@ def _continuous(manifold: Manifold, seen: np.ndarray) -> np.ndarray:
         if isinstance(space, Rotations):
             seen[:, columns] = continuous(seen[:, columns])
     return seen
-
-
-def _beside(
-    objects: Mapping[str, tuple[np.ndarray, np.ndarray]] | None, part: int, size: int, length: int
-) -> np.ndarray:
-    """Positions or quaternions (T, k, size) of all objects."""
-    found = [places[part] for places in (objects or {}).values()]
-    return np.stack(found, axis=1).astype(float) if found else np.zeros((length, 0, size))
 
 
 def manifold_of(views: Sequence[View], robot: Robot) -> Manifold:

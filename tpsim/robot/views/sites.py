@@ -6,10 +6,12 @@ from typing import Literal
 import numpy as np
 import pinocchio as pin
 
+from tpsim import rotation
 from tpsim.border import border, checked
 from tpsim.errors import ArgumentError
 from tpsim.manifold.manifold import S3, Manifold
 from tpsim.pose import Pose
+from tpsim.robot.along import Along
 from tpsim.robot.objects import Moving
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
@@ -209,16 +211,18 @@ class SiteView(View):
             drift = np.concatenate((drift[:3], turning @ drift[3:]))
         return Seen(value, jacobian, drift)
 
-    def value_at(self, state: State) -> np.ndarray:
-        """Value at a state."""
-        base, _, p = self._place(state)
+    def along(self, movement: Along) -> np.ndarray:
+        """Values along a movement."""
+        seen = movement.pose(self.site)
+        if self.base is not None:
+            of = movement.pose if isinstance(self.base, Site) else movement.object
+            seen = of(self.base.name).inverse @ seen
         if self.part == "position":
-            return p
-        R = self._rotation(state, base)
+            return seen.position
         if self.part == "quaternion":
-            return _quaternion(R)
-        turned: np.ndarray = pin.log3(R @ self.resolved(state.robot, self._back))
-        return turned if self.part == "orientation" else np.concatenate((p, turned))
+            return seen.quaternion
+        turned = rotation.log(seen.rotation @ self.resolved(movement.robot, self._back))
+        return turned if self.part == "orientation" else np.hstack((seen.position, turned))
 
     def rows(self, state: State) -> np.ndarray:
         """Jacobian up to an invertible map of its rows."""

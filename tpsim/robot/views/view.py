@@ -18,6 +18,7 @@ from tpsim.border import NotNegative, Positive, border, checked, read
 from tpsim.checks import finite_array, shown
 from tpsim.errors import ArgumentError
 from tpsim.manifold.manifold import Manifold, R
+from tpsim.robot.along import Along
 from tpsim.robot.indices import as_slice
 from tpsim.robot.robot import Robot
 from tpsim.robot.state import State
@@ -92,9 +93,9 @@ class View(ABC):
             known = state.seen[id(self)] = (self, self.see(state))
         return known[1]
 
-    def value_at(self, state: State) -> np.ndarray:
-        """Value (d,) at a state, where nobody asks how it changes: along recorded movements."""
-        return self(state).value
+    def along(self, movement: Along) -> np.ndarray:
+        """Values (T, d) along a recorded movement, of which nobody asks how they change."""
+        return np.array([self(state).value for state in movement.states])
 
     def rows(self, state: State) -> np.ndarray:
         """Jacobian (d, n) up to an invertible map of its rows: all that a nullspace needs."""
@@ -187,9 +188,9 @@ class Part(View):
         value, jacobian, drift, rate = self.whole(state)
         return Seen(value[rows], jacobian[rows], drift[rows], None if rate is None else rate[rows])
 
-    def value_at(self, state: State) -> np.ndarray:
-        """Select the rows of the value."""
-        return self.whole.value_at(state)[self._rows]
+    def along(self, movement: Along) -> np.ndarray:
+        """Select the columns of the values."""
+        return self.whole.along(movement)[:, self._rows]
 
 
 @dataclass(frozen=True)
@@ -222,12 +223,12 @@ class Offset(View):
         value, jacobian, drift, rate = self.whole(state)
         return Seen(self._off(value), jacobian, drift, rate)
 
-    def value_at(self, state: State) -> np.ndarray:
-        """Take the origin off the value."""
-        return self._off(self.whole.value_at(state))
+    def along(self, movement: Along) -> np.ndarray:
+        """Take the origin off the values."""
+        return self._off(self.whole.along(movement))
 
     def _off(self, value: np.ndarray) -> np.ndarray:
-        given, d = len(self.origin), len(value)
+        given, d = len(self.origin), value.shape[-1]
         if given != d:
             raise ArgumentError(f"an origin of {given} numbers was given for {d} dimensions")
         return value - self.origin

@@ -75,10 +75,16 @@ class BoundPush:
         self._position = simulation.data.xpos[self._body]
         self._rotation = simulation.data.xmat[self._body].reshape(3, 3)
         self._level, self.wrench = 0.0, _NOTHING
+        self._period, self._first, self._last = (
+            simulation.timestep,
+            push.start,
+            push.start + push.duration,
+        )
 
     def act(self, step: int, state: State) -> None:
         """Apply the wrench of this time step."""
-        level = self._push.level(step * self._simulation.timestep)
+        time = step * self._period
+        level = self._push.level(time) if self._first < time < self._last else 0.0
         if level != self._level:
             self._level, self.wrench = level, level * self._whole if level else _NOTHING
         if level:

@@ -166,13 +166,10 @@ class Episode:
                 person.act(self._step, self.truth)
         if self._delay is not None:
             wanted = self._delay.pass_on(wanted)
-        # Enough for all of them, and cheap; not a number is not within the limit either.
-        share = wanted / self._limit
-        if share.dot(share) <= 1.0:
-            return wanted
-        self.sound = self.sound and bool(np.isfinite(wanted).all())
+        # Not a number is not within the limit either.
         if np.count_nonzero(np.abs(wanted) <= self._limit) == len(wanted):
             return wanted
+        self.sound = self.sound and bool(np.isfinite(wanted).all())
         self.saturated += 1
         return np.minimum(np.maximum(wanted, -self._limit), self._limit)
 

@@ -141,7 +141,8 @@ class Drive:
             if self._lead is not None:
                 self._wanted = self._wanted + self._lead
         # For a matrix so small, @ costs twice as much.
-        torque: np.ndarray = self._wanted - self._gain.dot(state.x) + state.bias
+        torque: np.ndarray = self._wanted - self._gain.dot(state.x)
+        torque += state.bias
         if self._robot.has_friction:
             torque = torque + self._robot.friction_torque(state.dq)
         guard = self._guard.torque(state)

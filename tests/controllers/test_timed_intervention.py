@@ -15,6 +15,7 @@ from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.pose import Pose
 from tpsim.retrieval.tp_gmr import Order, tp_gmr
+from tpsim.robot.objects import Objects
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.joints import Joints
 from tpsim.robot.views.sites import Object, Site
@@ -71,7 +72,7 @@ def expected(state, skill, time, order):
 
 
 @pytest.mark.parametrize("order", get_args(Order))
-@pytest.mark.parametrize("time", [0.0, 0.7, 1.9, 3.0])
+@pytest.mark.parametrize("time", [0.0, 0.69, 1.89, 3.0])
 def test_the_impedance_is_that_of_the_movement_in_the_order_named(
     planar3_world, skill, time, order
 ):
@@ -113,9 +114,65 @@ def test_springs_beyond_brakes_ask_for_no_more_than_their_share(planar3_world, s
         way = law.command(still, 0.0).reference - still.q
         state = robot.at(robot.home, speed * way, OBJECTS)
         now = TimedIntervention(skill, effort=1e-4, until=2.5).command(state, 0.0)
-        torque = now.stiffness @ (now.reference - state.q) - now.damping @ state.dq
+        lag = state.dq - now.velocity
+        torque = now.stiffness @ (now.reference - state.q) - now.damping @ lag
         share = np.linalg.norm(torque / robot.torque_limit)
         assert share == pytest.approx(STRENGTH, rel=1e-6)
+
+
+def moved(time, velocities):
+    """Objects at a time, which move at even speed."""
+    poses = [
+        Pose(pose.rotation, pose.position + time * v)
+        for pose, v in zip(OBJECTS.values(), velocities, strict=True)
+    ]
+    places = np.array([pose.position for pose in poses])
+    turns = np.array([pose.quaternion for pose in poses])
+    twists = np.hstack((velocities, np.zeros_like(velocities)))
+    return Objects({name: row for row, name in enumerate(OBJECTS)}, places, turns, twists)
+
+
+@pytest.mark.parametrize("order", get_args(Order))
+def test_the_reference_moves_on_as_the_movement_does(planar3_world, skill, order):
+    state = at(with_speed(planar3_world, None))
+    settings = {"effort": EFFORT, "until": 2.5, "order": order}
+    first, then = (TimedIntervention(skill, **settings).command(state, t) for t in (1.8, 1.83))
+    np.testing.assert_allclose(
+        first.velocity, (then.reference - first.reference) / 0.03, rtol=1e-6, atol=1e-9
+    )
+    ended = TimedIntervention(skill, **settings).command(state, 3.0)
+    np.testing.assert_array_equal(ended.velocity, 0.0)
+
+
+@pytest.mark.parametrize("order", get_args(Order))
+def test_the_reference_moves_on_as_its_objects_do(planar3_world, skill, order):
+    robot = with_speed(planar3_world, None)
+    velocities = np.array([[0.05, -0.02, 0.0], [-0.03, 0.04, 0.0]])
+    # An arm that is where all want it: how it is seen to differ matters no more.
+    one = Gaussian(np.array([[0.0, 0.1]]), np.diag([1.0, 1e-4])[None])
+    pointing = Skill({"first": skill.views["first"]}, TPGMM(np.ones(1), (one,)))
+    q = robot.home
+
+    def command(q, since, time=3.0):
+        prior = Gaussian(rest, 25.0 * np.eye(robot.n))
+        law = TimedIntervention(pointing, effort=EFFORT, until=2.5, order=order, prior=prior)
+        return law.command(robot.at(q, objects=moved(since, velocities)), time)
+
+    for _ in range(20):
+        rest = q
+        q = command(q, 0.0).reference
+    rest = q
+    for time in (3.0, 1.8):  # the claim is the same at all times
+        now, h = command(q, 0.0, time), 1e-5
+        drift = (command(q, h, time).reference - command(q, -h, time).reference) / (2 * h)
+        np.testing.assert_allclose(now.velocity, drift, rtol=1e-3, atol=1e-6)
+        assert np.abs(now.velocity).max() > 0.01
+
+
+def test_the_reference_moves_no_faster_than_joints(planar3_world, skill):
+    state = at(with_speed(planar3_world, 0.01))
+    now = TimedIntervention(skill, effort=EFFORT, until=2.5).command(state, 0.3)
+    assert np.abs(now.velocity).max() == pytest.approx(0.01)
 
 
 class At:

@@ -77,6 +77,14 @@ class Stack:
                 continue
             y[rows], J[rows] = seen.value, seen.jacobian
 
+    def drift(self, state: State) -> np.ndarray:
+        """Rates (size,) at which the views change while the robot rests, since objects move."""
+        found = np.zeros(self.size)
+        for view, rows in zip(self.views, self.rows, strict=True):
+            with suppress(UnseenError):
+                found[rows] = view(state).drift
+        return found
+
     def unsure(self, state: State) -> np.ndarray:
         """Covariance (size, size) of the views, from that of the objects that they look from or at.
 
@@ -91,9 +99,7 @@ class Stack:
                 twists = np.zeros((count, 6))
                 twists[objects.row(name), k] = 1.0
                 moving = State(state.robot, state.x, objects.moving(twists), state.time)
-                for view, rows in zip(self.views, self.rows, strict=True):
-                    with suppress(UnseenError):
-                        lever[rows, k] = view(moving).drift
+                lever[:, k] = self.drift(moving)
             found += lever @ objects.covariances[objects.row(name)] @ lever.T
         return found
 

@@ -89,7 +89,7 @@ class Pursuit(Intervention):
         """Joint velocity (n,) [rad/s] that keeps up with the frames."""
         assert self._product is not None
         seen = [view(state) for view in self._product.stack.views]
-        drift = np.concatenate([s.drift for s in seen])
+        drift = self._product.stack.drift(state)
         K = np.concatenate([_rate(s) for s in seen])
         JW = product.jacobian.T @ product.precision
         steady = np.eye(state.robot.n) / STEADY**2

@@ -34,7 +34,8 @@ class TimedIntervention(OptimalImpedance):
     The model's frames observe time and a view, Eq. (20). At every period what all frames retrieve
     at this time becomes one Gaussian of the posture (:class:`TimedProduct`), around the present
     posture and the present objects; it sets reference, stiffness and damping for one period by
-    the optimum (:class:`~tpsim.controllers.optimal.OptimalImpedance`).
+    the optimum (:class:`~tpsim.controllers.optimal.OptimalImpedance`). The reference moves on as
+    the movement goes on and as its objects move: dampers slow what lags behind, not what moves.
 
     Parameters
     ----------
@@ -50,9 +51,8 @@ class TimedIntervention(OptimalImpedance):
     period : float
         Time [s] between two adaptations.
     progress : Progress, optional
-        What says how far the movement has come. The reference then moves on at its rate, and where
-        it stands still springs grow weak. By default the clock says it, and the reference stands
-        still from one adaptation to the next.
+        What says how far the movement has come, and at what rate it goes on; where it stands still
+        springs grow weak. By default the clock says it.
     order : str
         Of :func:`~tpsim.retrieval.tp_gmr.tp_gmr`. The covariance is stiffness here: moments of a
         mixture would be soft wherever a precise component meets a vague one, so that precisions
@@ -79,16 +79,13 @@ class TimedIntervention(OptimalImpedance):
         affordable(
             "until over period", int(until / period), skill.model.frames[0].dim ** 2, least=0
         )
-        times = np.minimum(np.arange(0.0, until + period, period), until)
-        self._product = TimedProduct(skill, prior, order, times)
+        self._times = np.unique(np.minimum(np.arange(0.0, until + period, period), until))
+        self._product = TimedProduct(skill, prior, order, self._times)
 
     def renew(self, state: State, time: float) -> Impedance:
         """Optimum for the posture that the movement asks for now."""
-        if self.progress is None:
-            step, velocity = self._product.step(state, min(time, self.until)), None
-        else:
-            place, rate = self.progress.at(state, time)
-            step, velocity = self._between(state, place, rate)
+        place, rate = (time, 1.0) if self.progress is None else self.progress.at(state, time)
+        step, velocity = self._between(state, place, rate)
         L = dpotrf(state.mass, lower=1)[0]
         # L' Sigma L is the inverse of Lambda_z: the same eigenvectors, without an inverse.
         variances, V, failed = dsyevd(L.T @ step.covariance @ L, overwrite_a=1)
@@ -96,27 +93,33 @@ class TimedIntervention(OptimalImpedance):
             raise SimulationError("the covariance of the movement has no eigendecomposition")
         modes, stiffness = L @ V, self.stiffness(1 / variances, state.robot)
         now = Impedance.of_modes(modes, stiffness, state.q + step.mean)
+        now = replace(now, velocity=velocity)
         # Far away the spring gives way, so that spring against damper asks for no wild speed.
         pace = np.sqrt(stiffness / 2) * (modes.T @ step.mean)
         speed = dtrtrs(L, V @ pace, lower=1, trans=1)[0]
         excess = float((np.abs(speed) / state.robot.velocity_limit).max())
-        pull, lag, limit = now.stiffness @ step.mean, state.dq, state.robot.torque_limit
-        if velocity is not None:
-            now, lag = replace(now, velocity=velocity), lag - velocity
+        pull, limit = now.stiffness @ step.mean, state.robot.torque_limit
+        if self.progress is not None:
             strength = self._patience.strength(time, place, rate)
             excess = max(excess, float((np.abs(pull) / limit).max()) / strength)
-        within = share_within(pull, now.damping @ lag, (STRENGTH * limit) ** -2.0)
+        brake = now.damping @ (state.dq - velocity)
+        within = share_within(pull, brake, (STRENGTH * limit) ** -2.0)
         excess = max(excess, 1 / within)
         return now if excess <= 1 else now.weaker(excess)
 
     def _between(self, state: State, place: float, rate: float) -> tuple[Gaussian, np.ndarray]:
         """Step (n,) that the movement asks for at a place [s], and how fast it goes on [rad/s]."""
-        tick, last = self.period, self.until - self.period
-        first = tick * int(min(max(place, 0.0), last) / tick + 1e-9)
-        share = min(max((place - first) / tick, 0.0), 1.0)
+        place = min(max(place, 0.0), self.until)
         # At times that are known already, since others take longer.
-        before, after = (self._product.step(state, t) for t in (first, first + tick))
-        near = after if share > 0.5 else before
+        first = min(int(place / self.period + 1e-9), len(self._times) - 2)
+        begin, end = self._times[first : first + 2].tolist()
+        share = (place - begin) / (end - begin)
+        before, after = (self._product.step(state, t) for t in (begin, end))
+        near, near_time = (after, end) if share > 0.5 else (before, begin)
         on = after.mean - before.mean
         step = Gaussian.trusted(before.mean + share * on, near.covariance)
-        return step, rate / tick * on * (place < self.until)
+        velocity = self._product.drift(state, near_time)
+        if place < self.until:
+            velocity = velocity + rate / (end - begin) * on
+        limit = state.robot.velocity_limit
+        return step, np.minimum(np.maximum(velocity, -limit), limit)

@@ -42,6 +42,24 @@ class TimedProduct:
 
     def step(self, state: State, time: float) -> Gaussian:
         """Step (n,) from the present posture that the movement asks for at a time."""
+        weights, asked, _ = self._asked(state, time)
+        return mixed_moments(weights, asked)
+
+    def drift(self, state: State, time: float) -> np.ndarray:
+        """Joint velocity (n,) [rad/s] at which that posture moves with the objects.
+
+        The components count as they do now: that of each moves by ``-P^-1 J^T W d``, where its
+        product over frames has the precision P = J^T W J in joint space and views drift by d.
+        """
+        if state.objects.twists is None:
+            return np.zeros(state.robot.n)
+        weights, asked, WJ = self._asked(state, time)
+        turned = self._stack.drift(state) @ WJ
+        moved: np.ndarray = -weights @ (asked.covariance @ turned[..., None])[..., 0]
+        return moved
+
+    def _asked(self, state: State, time: float) -> tuple[np.ndarray, Gaussian, np.ndarray]:
+        """Weights (K,) and steps (K, n) of the components at a time, and their W J (K, m, n)."""
         lead, (y, J) = self._inputs, self._see(state)
         if self._model is None:
             weights, precision, mean = self._at(time)
@@ -55,9 +73,10 @@ class TimedProduct:
             product[:, lead:, lead:] += known
             target[:, lead:, 0] += known @ (self._prior.mean - state.q)
         if self._model is not None:
-            return _regression(self._model.log_priors, product, target).at(time)
+            conditional = _regression(self._model.log_priors, product, target)
+            return *conditional.mixture(np.array(time)), WJ[..., lead:]
         covariance = np.linalg.inv(product)
-        return mixed_moments(weights, Gaussian.trusted((covariance @ target)[..., 0], covariance))
+        return weights, Gaussian.trusted((covariance @ target)[..., 0], covariance), WJ
 
     def _see(self, state: State) -> tuple[np.ndarray, np.ndarray]:
         """Views (m,) and their Jacobians (m, n), after that of the time where there is one."""

@@ -69,7 +69,8 @@ def standing(folder: Folder) -> Answer:
 
 def status(folder: Folder) -> Answer:
     """How far a campaign is, with a row for every controller on every plant so far."""
-    tables = list(folder.tables())
+    needed = ["outcome", "controller", "plant", "teacher", "situation", "success", *DISTURBED]
+    tables = list(folder.tables(needed))
     if not tables:
         return standing(folder)
     import pyarrow

@@ -174,8 +174,8 @@ class Regression(Stored):
         moved = self.linear @ (point - self.input_mean)[..., None]
         white, shift = moved[:, :size, 0], moved[:, size:, 0]
         log_weight = self.log_scale - 0.5 * np.vecdot(white, white)
-        weights = np.exp(log_weight - log_weight.max())
-        weights /= weights.sum()
+        weights = np.exp(log_weight - np.maximum.reduce(log_weight))
+        weights /= np.add.reduce(weights)
         means = self.output_mean + shift
         mean = weights @ means
         apart = means - mean

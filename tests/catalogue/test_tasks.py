@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from tpsim import rotation
+from tpsim.catalogue import ours
 from tpsim.errors import ArgumentError
 from tpsim.robot import anatomy
 from tpsim.robot.views.joints import Spare
+from tpsim.scene.compose import world
 from tpsim.task.task import Situation, draw_situation
 from tpsim.task.verbs import learn, perform
 from tpsim.tasks.cup_and_sugar import cup, home, sugar
@@ -53,17 +55,35 @@ def test_a_home_is_found_for_arms_that_have_none(cup_world, monkeypatch):
     monkeypatch.setattr(home, "BELOW", (0.0,))
     monkeypatch.setattr(home, "STARTS", 3)
     monkeypatch.setattr(home, "DRAWS", 4)
-    q = home.home(cup_world, "unknown", 0.5)
-    found = cup_world.with_home(q)
+    held, there = home.home(ours.baxter(), "unknown", 0.5)
+    found = world(ours.baxter(), held=held).with_home(there.home)
     assert home.reached(found, 0.5) >= home.HALF
-    assert np.degrees(np.linalg.norm(cup.LEVEL(found.robot.at_home).value)) < 1e-3
+    assert np.degrees(np.linalg.norm(cup.LEVEL(there.at_home).value)) < 1e-3
+
+
+@pytest.mark.parametrize("way", [0, 1])
+def test_a_cup_is_held_upright_by_its_handle_whichever_way_the_hand_is_turned(monkeypatch, way):
+    robot, turned = ours.baxter(), np.array(home.KNOWN["baxter"])
+    last = robot.index("left_w2")
+    # Half a turn about the axis along which the hand reaches.
+    turned[last] += np.pi * way * -np.sign(turned[last])
+    monkeypatch.setitem(home.KNOWN, "turned", turned.tolist())
+    held, there = home.home(robot, "turned", 1.0)
+    assert held is home.WAYS[way]
+    state = there.at_home
+    assert np.linalg.norm(cup.LEVEL(state).value) < 1e-3
+    # The handle is between the fingers, and the cup ahead of them.
+    hand, pose = state.pose("left_gripper"), state.pose("cup")
+    origin = pose.position - 0.045 * pose.rotation[:, 2]
+    np.testing.assert_allclose(origin, hand.position + 0.056 * hand.rotation[:, 2], atol=1e-9)
+    np.testing.assert_allclose(pose.rotation[:, 0], hand.rotation[:, 2], atol=1e-9)
 
 
 def test_too_large_a_workspace_is_said_with_how_much_is_reached(cup_world, monkeypatch):
     monkeypatch.setattr(home, "_candidates", lambda stage: [np.array(home.KNOWN["baxter"])])
     monkeypatch.setattr(home, "reached", lambda world, room, least=0.0: 0.3 / room)
     with pytest.raises(ArgumentError, match=r"reaches 30 % .*14 cm ahead.*give --room 0\.5"):
-        home.home(cup_world, "long", 1.0)
+        home.home(ours.baxter(), "long", 1.0)
 
 
 def test_a_home_that_cannot_be_held_names_the_joint(cup_world):

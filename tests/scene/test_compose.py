@@ -6,6 +6,7 @@ import pytest
 
 from tpsim.catalogue import ours
 from tpsim.errors import SimulationError
+from tpsim.robot.robot import Robot
 from tpsim.scene import parts
 from tpsim.scene.compose import Held, Placed, world
 from tpsim.world.world import World
@@ -114,6 +115,23 @@ def test_any_mjcf_can_be_held_and_placed(tmp_path):
     found = world(ours.planar3(), held=held, objects={"post": Placed(str(file), (1, 0, 0))})
     assert found.model.body("ball").mass[0] == pytest.approx(0.1)
     np.testing.assert_allclose(found.model.body("post").pos, [1, 0, 0])
+
+
+@pytest.mark.parametrize("turn", ['quat=".1 .7 -.5 .3"', 'euler="0.3 -1 2"', 'zaxis="1 2 -1"'])
+def test_what_is_held_is_placed_in_the_axes_of_its_site(turn):
+    arm = f"""<mujoco><worldbody><body name="arm"><joint name="j" range="-1 1" limited="true"/>
+      <geom size=".1" mass="1"/><site name="tip" pos=".1 .2 .3" {turn}/>
+      </body></worldbody><actuator><motor joint="j" ctrlrange="-9 9"/></actuator></mujoco>"""
+    ball = """<mujoco><worldbody><body name="ball"><geom size=".02"/><site name="ball"/></body>
+      </worldbody></mujoco>"""
+    robot = Robot.from_mjcf(arm, {"hand": "tip"}, velocity_limit=1.0)
+    held = Held(ball, "tip", (0.01, 0.02, 0.03), ((0, 1, 0), (0, 0, 1)))
+    found = world(robot, held={"ball": held}).robot.at_home
+    tip, ball = found.pose("tip"), found.pose("ball")
+    there = tip.position + tip.rotation @ [0.01, 0.02, 0.03]
+    # Scenes are text, of six digits.
+    np.testing.assert_allclose(ball.position, there, atol=2e-6)
+    np.testing.assert_allclose(ball.rotation, tip.rotation[:, [1, 2, 0]], atol=2e-6)
 
 
 def test_a_camera_is_placed_by_the_robots_size():

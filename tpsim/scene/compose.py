@@ -131,7 +131,7 @@ def world(
         away = centre + extent * np.array([1.5, 0.95, 0.55])
         shown["hero"] = Camera(tuple(away), tuple(centre))
     try:
-        _furnish(spec, objects or {}, held or {}, shown)
+        _furnish(spec, robot, objects or {}, held or {}, shown)
         _add_taken(spec, taken or {})
     except ValueError as error:
         reason = one_line(error)
@@ -141,6 +141,7 @@ def world(
 
 def _furnish(
     spec: mujoco.MjSpec,
+    robot: Robot,
     objects: Mapping[str, str | Placed],
     held: Mapping[str, Held],
     cameras: Mapping[str, Camera],
@@ -149,8 +150,10 @@ def _furnish(
         placed = Placed(thing) if isinstance(thing, str) else thing
         paint = placed.paint or PAINTS[k % len(PAINTS)]
         place(spec, placed.model, name, placed.position, paint, placed.size, placed.solid)
+    turned = {robot.model.site(k).name: robot.model.site_quat[k] for k in range(robot.model.nsite)}
     for name, item in held.items():
-        hold(spec, item.model, name, item.site, item.position, item.axes)
+        at = turned.get(item.site)
+        hold(spec, item.model, name, item.site, item.position, item.axes, at)
     for name, view in cameras.items():
         add_camera(spec, name, view.position, view.target, view.fovy)
 

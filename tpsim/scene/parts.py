@@ -56,6 +56,7 @@ def hold(
     site: str,
     position: Sequence[float],
     axes: Sequence[Sequence[float]] = ((1, 0, 0), (0, 1, 0)),
+    turned: np.ndarray | None = None,
 ) -> None:
     """Fix a model rigidly at ``site``, under ``name``.
 
@@ -73,6 +74,8 @@ def hold(
         Origin of the model, in coordinates of the site, m.
     axes : two sequences of 3
         The model's x and y axes, in coordinates of the site.
+    turned : (4,), optional
+        Quaternion of the site in its body, as compiled: files may say it in several ways.
 
     Raises
     ------
@@ -81,8 +84,10 @@ def hold(
     """
     at = _site(spec, site)
     x, y = np.array(axes, float)
-    rotation = np.stack([x, y, np.cross(x, y)], axis=1)
-    frame = at.parent.add_frame(pos=at.pos + np.asarray(position), quat=_quaternion(rotation))
+    rotation, R = np.stack([x, y, np.cross(x, y)], axis=1), np.eye(3)
+    if turned is not None:
+        mujoco.mju_quat2Mat(R.reshape(-1), turned)
+    frame = at.parent.add_frame(pos=at.pos + R @ position, quat=_quaternion(R @ rotation))
     _attach(spec, model, name, frame)
 
 

@@ -32,6 +32,15 @@ STANDS = 1.06
 HANDS = ("left_hand", "right_hand")
 """Names of two hands."""
 
+AROUND = 0.13
+"""What is to be seen around hands and elbows, in sizes [m]: grippers, and what they hold."""
+
+SIDEWAYS, UP, DOWN = 1.5, 0.92, 0.74
+"""Part of a picture in which films show arms, in halves of its height: above the caption."""
+
+STEPS = 20
+"""Of a camera to where it sees all, at most."""
+
 REDUNDANT = 6
 """Joints beyond which an arm has some to spare while its hand has a pose."""
 
@@ -131,8 +140,11 @@ class Workplace:
             found["pedestal"] = Placed(furniture.pedestal(0.2 * self.size, height), self.foot)
         return found
 
-    def cameras(self, hands: np.ndarray) -> dict[str, Camera]:
-        """From where arms of this size are seen, with their hands about a point (3,) [m]."""
+    def cameras(self, hands: np.ndarray, shown: np.ndarray | None = None) -> dict[str, Camera]:
+        """From where arms of this size are seen, with their hands about a point (3,) [m].
+
+        Films see what is ``shown`` (k, 3) [m] whole, above their caption.
+        """
         centre = 0.15 * np.array(self.middle) + 0.85 * hands
 
         def camera(about: np.ndarray, aim: Point, away: Point, fovy: float) -> Camera:
@@ -140,11 +152,39 @@ class Workplace:
             position = target + self.size * np.array(away)
             return Camera(tuple(position.tolist()), tuple(target.tolist()), fovy)
 
+        hero = camera(centre, (-0.2, 0.03, 0.04), (2.08, 1.25, 0.55), 30)
         return {
-            "hero": camera(centre, (-0.2, 0.03, 0.04), (2.08, 1.25, 0.55), 30),
+            "hero": hero if shown is None else framed(hero, shown, AROUND * self.size),
             "hands": camera(hands, (-0.05, 0.04, 0.02), (0.8, 0.54, 0.21), 32),
             "side": camera(centre, (-0.17, -0.02, -0.08), (0.55, 2.9, 0.37), 32),
         }
+
+
+def framed(camera: Camera, points: np.ndarray, around: float) -> Camera:
+    """The camera, aside and back as far as it must be to see points (k, 3), and around them [m]."""
+    high = np.tan(np.radians(camera.fovy) / 2)
+    least, most = high * np.array([-SIDEWAYS, -DOWN]), high * np.array([SIDEWAYS, UP])
+    place, target = np.array(camera.position), np.array(camera.target)
+    back = (place - target) / np.linalg.norm(place - target)
+    right = np.cross((0.0, 0.0, 1.0), back)
+    right /= np.linalg.norm(right)
+    axes = np.array([right, np.cross(back, right)])
+    for _ in range(STEPS):
+        depth = (place - points) @ back
+        seen = (points - place) @ axes.T / depth[:, None]
+        room = around / depth[:, None]
+        lowest, highest = (seen - room).min(0), (seen + room).max(0)
+        wide = float(((highest - lowest) / (most - least)).max())
+        if wide > 1:
+            place = place + (wide - 1) * depth.mean() * back
+            continue
+        aside = np.maximum(highest - most, 0.0) - np.maximum(least - lowest, 0.0)
+        if not aside.any():
+            break
+        place = place + depth.mean() * aside @ axes
+    moved = place - np.array(camera.position)
+    target = target + moved - (moved @ back) * back
+    return Camera(tuple(place.tolist()), tuple(target.tolist()), camera.fovy)
 
 
 def between(robot: Robot) -> np.ndarray:

@@ -11,11 +11,23 @@ from tpsim.errors import ArgumentError, SimulationError
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.sites import Site
 from tpsim.robot.views.view import View
+from tpsim.scene.compose import Held, world
 from tpsim.tasks.cup_and_sugar import cup, sugar
 from tpsim.tasks.cup_and_sugar.hands import Hands, Workspace
 from tpsim.tasks.workplace import Workplace, size_of
 from tpsim.world.comfort import comfortable
 from tpsim.world.world import World
+
+WAYS: Sequence[Mapping[str, Held]] = [
+    {
+        # By its handle, which points along -z of the gripper; its axis is the gripper's x or -x:
+        # fingers hold as well turned by half a turn, and wrists may not be able to.
+        "cup": Held("cup", "left_gripper", (0, 0, 0.056), ((0, 0, 1), (0, across, 0))),
+        "sugar": Held("sugar", "right_gripper", (0, 0, 0.006)),
+    }
+    for across in (-1, 1)
+]
+"""How hands may hold cup and sugar."""
 
 KNOWN: Mapping[str, Sequence[float]] = json.loads(
     Path(__file__).with_name("homes.json").read_text(encoding="utf-8")
@@ -41,8 +53,10 @@ LESS = (0.75, 0.5, 0.25)
 """Shares of the workspace that are tried where it is too large."""
 
 
-def home(stage: World, name: str, room: float) -> np.ndarray:
-    """Home (n,) of a robot that holds cup and sugar: from there most situations can be reached.
+def home(robot: Robot, name: str, room: float) -> tuple[Mapping[str, Held], Robot]:
+    """How a robot holds cup and sugar, and the robot that does, at home.
+
+    From there most situations can be reached.
 
     Raises
     ------
@@ -50,15 +64,26 @@ def home(stage: World, name: str, room: float) -> np.ndarray:
         If there is none from which at least half of them can be reached; says how much room
         there is.
     """
-    if name in KNOWN:
-        return np.array(KNOWN[name])
-    try:
-        found = [stage.with_home(q) for q in _candidates(stage)]
-    except SimulationError as error:
-        raise ArgumentError(f"{name} cannot hold a cup with sugar above it: {error}") from None
+    found: list[World] = []
+    ways: list[Mapping[str, Held]] = []
+    why = ""
+    for way in WAYS:
+        stage = world(robot, held=way)
+        if name in KNOWN:
+            known = stage.with_home(np.array(KNOWN[name])).robot
+            if known.at_home.pose("cup").rotation[2, 2] > 0:
+                return way, known
+            continue
+        try:
+            found += [stage.with_home(q) for q in _candidates(stage)]
+        except SimulationError as error:
+            why = str(error)
+        ways += [way] * (len(found) - len(ways))
+    if not found:
+        raise ArgumentError(f"{name} cannot hold a cup with sugar above it: {why}")
     best, share = _best(found, room)
-    if best is not None and share >= HALF:
-        return best.robot.home
+    if share >= HALF:
+        return ways[best], found[best].robot
     advice = "these arms are no good for it"
     for less in LESS:
         if _best(found, less * room)[1] >= HALF:
@@ -66,32 +91,32 @@ def home(stage: World, name: str, room: float) -> np.ndarray:
             break
     raise ArgumentError(
         f"{name} reaches {100 * share:.0f} % of the situations of its workspace, of "
-        f"+-{100 * room * size_of(stage.robot) * Workspace().position[0]:.0f} cm ahead; {advice}"
+        f"+-{100 * room * size_of(robot) * Workspace().position[0]:.0f} cm ahead; {advice}"
     )
 
 
-def _best(worlds: Sequence[World], room: float) -> tuple[World | None, float]:
-    """The world from whose home most can be reached, and what share."""
-    best, share = None, 0.0
-    for world in worlds:
-        found = reached(world, room, share)
+def _best(worlds: Sequence[World], room: float) -> tuple[int, float]:
+    """Number of the world from whose home most can be reached, and what share."""
+    best, share = 0, 0.0
+    for k, stage in enumerate(worlds):
+        found = reached(stage, room, share)
         if found > share:
-            best, share = world, found
+            best, share = k, found
     return best, share
 
 
-def reached(world: World, room: float, least: float = 0.0) -> float:
+def reached(stage: World, room: float, least: float = 0.0) -> float:
     """Share of situations whose start arms can take without contact, and with torque to spare.
 
     Zero, where it is no more than ``least``, which may be seen early.
     """
-    hands, simulation, missed = Hands(world, room=room), world.simulation(), 0
+    hands, simulation, missed = Hands(stage, room=room), stage.simulation(), 0
     for k in range(DRAWS):
         rng = np.random.default_rng(np.random.SeedSequence(0, spawn_key=(0, k)))
         try:
             q = (cup.start if k % 2 else sugar.start)(hands, rng)
             simulation.reset(q)
-            good = not simulation.data.ncon and world.robot.is_comfortable(q)
+            good = not simulation.data.ncon and stage.robot.is_comfortable(q)
         except SimulationError:
             good = False
         missed += not good

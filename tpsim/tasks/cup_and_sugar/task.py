@@ -17,7 +17,7 @@ from tpsim.controllers.product import Skill
 from tpsim.controllers.torque_cost import acceleration_effort
 from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import fit_tp_gmm
-from tpsim.scene.compose import Held, world
+from tpsim.scene.compose import world
 from tpsim.task.task import Behaviour, Goal, Models, Situation, Task
 from tpsim.tasks.cup_and_sugar import cup, sugar
 from tpsim.tasks.cup_and_sugar.hands import Hands
@@ -33,12 +33,6 @@ from tpsim.tasks.workplace import (
 from tpsim.world.people.demonstrator import CUTOFF, TeacherName
 from tpsim.world.rehearsal import Rehearsed
 from tpsim.world.world import World
-
-HELD = {
-    # By its handle: its axis is the gripper's x, its handle points along -z of the gripper.
-    "cup": Held("cup", "left_gripper", (0, 0, 0.056), ((0, 0, 1), (0, -1, 0))),
-    "sugar": Held("sugar", "right_gripper", (0, 0, 0.006)),
-}
 
 PARTS = ("gripper", "elbow")
 """Parts of arms that are above the table."""
@@ -166,15 +160,14 @@ def _world(name: str, room: float, task: str) -> World:
     """The world of a robot: home is looked for, once, and then the table is put below it."""
     robot = two_hands(find(name), task)
     place = Workplace.of(robot)
-    posture = home(bare := world(robot, held=HELD), name, room)
-    there = bare.with_home(posture).robot
+    held, there = home(robot, name, room)
     arms = [there.at_home.pose(f"{side}_{part}") for side in ("left", "right") for part in PARTS]
     lowest = min(float(pose.position[2]) for pose in arms)
     furnished = world(
         robot,
         objects=place.furniture(lowest),
-        held=HELD,
+        held=held,
         floor=place.floor,
-        cameras=place.cameras(between(there)),
+        cameras=place.cameras(between(there), np.array([pose.position for pose in arms])),
     )
-    return furnished.with_home(posture)
+    return furnished.with_home(there.home)

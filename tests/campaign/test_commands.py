@@ -56,6 +56,8 @@ def test_from_a_plan_to_a_comparison(run, tmp_path):
         ((TOY, "--out", "x", "--sweep", "efort=1"), "no field of the task 'efort'"),
         ((TOY, "--out", "x", "--lead", "0.1", "--undisturbed"), "give one of them"),
         ((TOY, "--out", "x", "--force", "1", "--impulse", "1"), "both force and impulse"),
+        ((TOY, "--out", "x", "--lead", "0.1", "--force", "1"), "--force and --lead"),
+        ((TOY, "--out", "x", "--undisturbed", "--impulse", "1"), "--impulse and --undisturbed"),
         ((TOY, "--folder", "x", "--out", "x"), "a campaign's folder is --out"),
         (("nothing.json", "--out", "x"), "there is no file nothing.json"),
     ],

@@ -9,6 +9,7 @@ import numpy as np
 from tpsim.campaign.design import Asked
 from tpsim.campaign.table import FAILED, Row
 from tpsim.errors import one_line
+from tpsim.robot.views.view import View
 from tpsim.study.condition import Condition
 from tpsim.study.measure import Measure, concerns
 from tpsim.study.metrics import displacement, interval, mean_force, work
@@ -19,6 +20,9 @@ from tpsim.world.trial import Trial
 
 UNPUSHED = "unpushed"
 """Label of undisturbed trials."""
+
+WRENCHES = ("push_wrench", "lead_wrench")
+"""Signals of who disturbs a trial."""
 
 BAND = 0.1
 """A push is recovered from when the way that it leaves stays within this share of its peak."""
@@ -84,10 +88,10 @@ def figures_row(
     kept = trial.outcome not in ("diverged", "contact")
     for measure in measures_of(study, condition.label):
         number = _number(measure, record)
-        row[measure.name] = number
+        row[measure.name] = _finite(number)
         kept &= _keeps(measure, number, success)
         if condition.people:
-            row[f"twin_{measure.name}"] = _in_twin(measure, trial, beside)
+            row[f"twin_{measure.name}"] = _finite(_in_twin(measure, trial, beside))
     row["saturated_steps"] = float(trial["saturated_steps"][-1])
     row["success"] = bool(kept)
     if condition.people:
@@ -118,20 +122,25 @@ def _period(trial: Trial) -> float:
 
 
 def _number(measure: Measure, record: Record) -> float | None:
+    """What a trial comes to, infinite where it never comes; None where there is nothing to say."""
     try:
         number = measure.number(record)
     except Exception:
         if record.trial.outcome == "diverged":  # it may have ended before what is looked at
             return None
         raise
-    return None if number is None or not np.isfinite(number) else float(number)
+    return None if number is None else float(number)
+
+
+def _finite(number: float | None) -> float | None:
+    return None if number is None or not np.isfinite(number) else number
 
 
 def _keeps(measure: Measure, number: float | None, success: tuple[str, ...]) -> bool:
     if measure.limit is None or (measure.name not in success if success else measure.at_least):
         return True
-    if number is None:
-        return False
+    if number is None:  # a push that misses what is measured, a trial that ends before it
+        return True
     return number >= measure.limit if measure.at_least else number <= measure.limit
 
 
@@ -139,11 +148,23 @@ def _in_twin(measure: Measure, trial: Trial, twin: Record) -> float | None:
     """The same measure of the twin, in the same part of the trial."""
     if measure.window == "pushed":
         measure = replace(measure, window=_acting(trial))
+    elif measure.window is None and not isinstance(measure.of, View):
+        twin = _as_if_pushed(twin, trial)
     return _number(measure, twin)
 
 
+def _as_if_pushed(twin: Record, trial: Trial) -> Record:
+    """The twin with the push or lead of another trial in its signals: measures look when it was."""
+    arrays, length = dict(twin.trial.arrays), len(twin.trial.time)
+    for name in WRENCHES:
+        if name in trial.arrays:
+            wrench = trial[name][:length]
+            arrays[name] = np.concatenate((wrench, np.zeros((length - len(wrench), 6))))
+    return replace(twin, trial=replace(twin.trial, arrays=arrays))
+
+
 def _acting(trial: Trial) -> tuple[float, float] | None:
-    for name in ("push_wrench", "lead_wrench"):
+    for name in WRENCHES:
         if name in trial.arrays and (span := interval(trial[name], trial.time)) is not None:
             return span
     return None

@@ -189,7 +189,7 @@ def extremes(rows: Rows, measures: Sequence[Measure]) -> tuple[str, dict[str, in
     limits = [m for m in measures if m.limit and not m.at_least and m.name in rows]
     if limits:
         name = limits[0].name
-        key = np.nanmax([rows[m.name] / m.limit for m in limits], axis=0)  # type: ignore[operator]
+        key = np.fmax.reduce([rows[m.name] / m.limit for m in limits])  # type: ignore[operator]
         name = name if len(limits) == 1 else "the measure that is nearest to its limit"
     elif "displacement_max_mm" in rows:
         name = "displacement_max_mm"

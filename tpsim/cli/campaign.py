@@ -35,7 +35,7 @@ class Work(Options):
     retry: FlagCreatePairsOff[bool] = False
     """Perform trials that failed again."""
     plan: FlagCreatePairsOff[bool] = False
-    """Print the campaign as JSON, for a file of your own, and perform nothing."""
+    """Print the campaign, with --json for a file of your own, and perform nothing."""
 
     def check(self) -> None:
         """Check folder, shard and workers."""
@@ -139,6 +139,11 @@ class Campaign(Work, SeededCommand):
             number("--duration", self.duration, 0, HOUR)
         if self.lead and self.undisturbed:
             raise ArgumentError("--lead and --undisturbed: give one of them")
+        pushed = {"--force": self.force, "--impulse": self.impulse}
+        for name in (name for name, given in pushed.items() if given):
+            if self.lead or self.undisturbed:
+                other = "--lead" if self.lead else "--undisturbed"
+                raise ArgumentError(f"{name} and {other}: give one of them")
 
     def execute(self, study: "Study", line: str) -> Answer:
         """Perform the campaign."""
@@ -195,7 +200,7 @@ class CampaignFile(Work, Command):
     """Perform a campaign that a JSON file describes, or go on with one that was begun."""
 
     file: Annotated[Positional[Path], arg(metavar="FILE.json|DIR")]
-    """What tpsim campaign TASK --plan printed, changed as you like; or a campaign's folder."""
+    """What tpsim campaign TASK --plan --json printed, changed as you like; or a folder of one."""
     study: str | None = None
     """Study of the campaign, where it is none of the built-in ones: my_task.py:study."""
     status: FlagCreatePairsOff[bool] = False

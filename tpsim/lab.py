@@ -77,7 +77,7 @@ from tpsim.robot.views.timed import Handover as Handover
 from tpsim.robot.views.timed import OnPath as OnPath
 from tpsim.robot.views.view import Seen as Seen
 from tpsim.robot.views.view import View as View
-from tpsim.scene.compose import Camera as Camera
+from tpsim.scene.camera import Camera as Camera
 from tpsim.scene.compose import Held as Held
 from tpsim.scene.compose import Placed as Placed
 from tpsim.scene.compose import world as world

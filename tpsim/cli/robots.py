@@ -103,12 +103,14 @@ def _picture(robot: "Robot", name: str, folder: Path | None) -> Path | None:
     from tpsim.film.clip import Clip
     from tpsim.film.video import still
     from tpsim.paths import recordings
+    from tpsim.scene.bounds import box
     from tpsim.scene.compose import world
 
     place = recordings() / "runs" / "robots" if folder is None else folder
     place.mkdir(parents=True, exist_ok=True)
     file = Path(name).name.replace(":", "-")
-    clip = Clip(world(robot), np.zeros(1), robot.home[None])
+    lowest = float(box(robot)[0][2])
+    clip = Clip(world(robot, floor=lowest), np.zeros(1), robot.home[None])
     try:
         return still(clip, 0.0, place / f"{file}.png")
     except RenderingError:

@@ -2,14 +2,17 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from itertools import product
 
 import mujoco
 import numpy as np
 
-from tpsim.border import Point, Positive, Range, border, checked
+from tpsim.border import Point, Positive, border, checked
 from tpsim.errors import SimulationError, one_line
 from tpsim.robot.robot import Robot
+from tpsim.scene.bounds import box
+from tpsim.scene.camera import Camera
+from tpsim.scene.framing import framed
 from tpsim.scene.parts import camera as add_camera
 from tpsim.scene.parts import hold, light, place
 from tpsim.world.grasp import Grasp, write_grasps
@@ -72,26 +75,6 @@ class Placed:
         checked(self)
 
 
-@dataclass(frozen=True)
-class Camera:
-    """A camera at a position that looks at a target, upright.
-
-    Parameters
-    ----------
-    position, target : (3,)
-        [m]
-    fovy : float
-        Vertical field of view [deg].
-    """
-
-    position: Point
-    target: Point
-    fovy: Annotated[float, Range(above=0, below=180)] = 32.0
-
-    def __post_init__(self) -> None:
-        checked(self)
-
-
 @border
 def world(
     robot: Robot,
@@ -129,7 +112,8 @@ def world(
     shown = dict(cameras or {})
     if "hero" not in shown and spec.camera("hero") is None:
         away = centre + extent * np.array([1.5, 0.95, 0.55])
-        shown["hero"] = Camera(tuple(away), tuple(centre))
+        corners = np.array(list(product(*zip(*box(robot), strict=True))))
+        shown["hero"] = framed(Camera(tuple(away), tuple(centre)), corners, 0.0, filled=True)
     try:
         _furnish(spec, robot, objects or {}, held or {}, shown)
         _add_taken(spec, taken or {})

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from tpsim.robot.robot import Robot
-from tpsim.scene.compose import Camera, Placed, world
+from tpsim.scene.camera import Camera
+from tpsim.scene.compose import Placed, world
 from tpsim.world.world import World
 
 

@@ -16,7 +16,9 @@ from tpsim.robot.views.joints import Spare
 from tpsim.robot.views.view import View
 from tpsim.scene import furniture
 from tpsim.scene.bounds import box
-from tpsim.scene.compose import Camera, Placed
+from tpsim.scene.camera import Camera
+from tpsim.scene.compose import Placed
+from tpsim.scene.framing import framed
 from tpsim.world.world import World
 
 DEFAULT = "baxter"
@@ -34,12 +36,6 @@ HANDS = ("left_hand", "right_hand")
 
 AROUND = 0.13
 """What is to be seen around hands and elbows, in sizes [m]: grippers, and what they hold."""
-
-SIDEWAYS, UP, DOWN = 1.5, 0.92, 0.74
-"""Part of a picture in which films show arms, in halves of its height: above the caption."""
-
-STEPS = 20
-"""Of a camera to where it sees all, at most."""
 
 REDUNDANT = 6
 """Joints beyond which an arm has some to spare while its hand has a pose."""
@@ -158,33 +154,6 @@ class Workplace:
             "hands": camera(hands, (-0.05, 0.04, 0.02), (0.8, 0.54, 0.21), 32),
             "side": camera(centre, (-0.17, -0.02, -0.08), (0.55, 2.9, 0.37), 32),
         }
-
-
-def framed(camera: Camera, points: np.ndarray, around: float) -> Camera:
-    """The camera, aside and back as far as it must be to see points (k, 3), and around them [m]."""
-    high = np.tan(np.radians(camera.fovy) / 2)
-    least, most = high * np.array([-SIDEWAYS, -DOWN]), high * np.array([SIDEWAYS, UP])
-    place, target = np.array(camera.position), np.array(camera.target)
-    back = (place - target) / np.linalg.norm(place - target)
-    right = np.cross((0.0, 0.0, 1.0), back)
-    right /= np.linalg.norm(right)
-    axes = np.array([right, np.cross(back, right)])
-    for _ in range(STEPS):
-        depth = (place - points) @ back
-        seen = (points - place) @ axes.T / depth[:, None]
-        room = around / depth[:, None]
-        lowest, highest = (seen - room).min(0), (seen + room).max(0)
-        wide = float(((highest - lowest) / (most - least)).max())
-        if wide > 1:
-            place = place + (wide - 1) * depth.mean() * back
-            continue
-        aside = np.maximum(highest - most, 0.0) - np.maximum(least - lowest, 0.0)
-        if not aside.any():
-            break
-        place = place + depth.mean() * aside @ axes
-    moved = place - np.array(camera.position)
-    target = target + moved - (moved @ back) * back
-    return Camera(tuple(place.tolist()), tuple(target.tolist()), camera.fovy)
 
 
 def between(robot: Robot) -> np.ndarray:

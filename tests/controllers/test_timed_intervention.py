@@ -9,7 +9,7 @@ import pytest
 from tpsim.control import projection
 from tpsim.controllers.product import Skill
 from tpsim.controllers.progress import PATIENCE
-from tpsim.controllers.timed_intervention import PULL, STRENGTH, TimedIntervention
+from tpsim.controllers.timed_intervention import FASTEST, PULL, STRENGTH, TimedIntervention
 from tpsim.errors import ArgumentError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.tp_gmm import TPGMM
@@ -169,10 +169,13 @@ def test_the_reference_moves_on_as_its_objects_do(planar3_world, skill, order):
         assert np.abs(now.velocity).max() > 0.01
 
 
-def test_the_reference_moves_no_faster_than_joints(planar3_world, skill):
-    state = at(with_speed(planar3_world, 0.01))
-    now = TimedIntervention(skill, effort=EFFORT, until=2.5).command(state, 0.3)
-    assert np.abs(now.velocity).max() == pytest.approx(0.01)
+@pytest.mark.parametrize("limit", [0.01, None])
+def test_the_reference_moves_no_faster_than_joints(planar3_world, skill, limit):
+    robot = with_speed(planar3_world, limit)
+    jump = moved(0.0, np.array([[15e3, 0.0, 0.0], [0.0, 0.0, 0.0]]))  # 15 m in a time step
+    law = TimedIntervention(skill, effort=EFFORT, until=2.5)
+    now = law.command(robot.at(robot.home, objects=jump), 0.3)
+    assert np.abs(now.velocity).max() == pytest.approx(limit or FASTEST)
 
 
 class At:

@@ -24,6 +24,10 @@ PULL = 0.12
 STRENGTH = 0.6
 """Share that springs ask for beyond brakes at any time, as after a jump of what is wanted."""
 
+FASTEST = 10.0
+"""Speed [rad/s] at which a reference moves on at most, where joints have no limit of their own: an
+object that jumps is for a moment as fast as nothing is."""
+
 PERIOD = 0.03
 """Time [s] between two adaptations of the mixture to the frames: as often as a camera looks."""
 
@@ -121,5 +125,5 @@ class TimedIntervention(OptimalImpedance):
         velocity = self._product.drift(state, near_time)
         if place < self.until:
             velocity = velocity + rate / (end - begin) * on
-        limit = state.robot.velocity_limit
+        limit = np.minimum(state.robot.velocity_limit, FASTEST)
         return step, np.minimum(np.maximum(velocity, -limit), limit)

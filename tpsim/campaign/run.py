@@ -102,7 +102,7 @@ def campaign(
             opened.sweep()
             if isinstance(error, KeyboardInterrupt):
                 error.add_note(
-                    f"finished trials are kept in {opened.path}, the same command goes on"
+                    f"finished trials are kept in {opened.path} and not performed again"
                 )
             raise
     wall = time.monotonic() - taught

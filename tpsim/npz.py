@@ -27,14 +27,16 @@ _DIRECTORY = 2**20
 _END = 2**16 + 22
 
 
-def write_members(path: str | Path, arrays: Mapping[str, np.ndarray]) -> Path:
+def write_members(
+    path: str | Path, arrays: Mapping[str, np.ndarray], *, replace: bool = False
+) -> Path:
     """Write named arrays to ``path``, under a temporary name until the file is complete.
 
     Its folder is made where it is missing. No pickles, no compression; RecordingError where there
-    is such a file.
+    is such a file, unless it is to be replaced.
     """
     path = Path(path)
-    with whole_file(path) as file:
+    with whole_file(path, replace=replace) as file:
         np.savez(file, allow_pickle=False, **dict(arrays))
     return path
 

@@ -134,8 +134,8 @@ class Bench:
             row, trial = self.row(number)
             rows.append(row)
             if trial is not None and keep == "everything":
-                folder.trial(number).unlink(missing_ok=True)
-                save_trial(folder.trial(number), trial)
+                # A worker whose scheduler died may still be at the same, with the same bits.
+                save_trial(folder.trial(number), trial, replace=True)
             if trial is not None and keep != "figures":
                 signals.append((number, trial))
         if signals:

@@ -101,9 +101,7 @@ def campaign(
         except BaseException as error:
             opened.sweep()
             if isinstance(error, KeyboardInterrupt):
-                error.add_note(
-                    f"finished trials are kept in {opened.path} and not performed again"
-                )
+                error.add_note(f"finished trials are kept in {opened.path} and not performed again")
             raise
     wall = time.monotonic() - taught
     return {

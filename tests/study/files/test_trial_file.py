@@ -58,6 +58,8 @@ def test_a_failed_write_leaves_nothing(tmp_path, trial, monkeypatch):
 
 def test_a_trial_is_never_overwritten(tmp_path, trial):
     path = save_trial(tmp_path / "trial-000000.npz", trial)
+    path.write_bytes(b"other")
+    assert load_trial(save_trial(path, trial, replace=True)).outcome == trial.outcome
     with pytest.raises(RecordingError, match="nothing is overwritten"):
         save_trial(path, trial)
 

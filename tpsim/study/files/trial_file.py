@@ -20,14 +20,16 @@ SCHEMA = 2
 _TEXT = ("outcome", "channels", "about")
 
 
-def save_trial(path: Path, trial: Trial) -> Path:
+def save_trial(path: Path, trial: Trial, *, replace: bool = False) -> Path:
     """Write one trial to ``path`` without pickles; the same trial gives the same bytes.
+
+    With ``replace`` a file of that name gives way.
 
     Raises
     ------
     RecordingError
-        If the file exists, the signals are not finite numbers on one clock, or ``about`` is not
-        made of plain values.
+        If the file exists and is to stay, the signals are not finite numbers on one clock, or
+        ``about`` is not made of plain values.
     """
     path = Path(path)
     _check(trial, path)
@@ -38,7 +40,7 @@ def save_trial(path: Path, trial: Trial) -> Path:
         "about": np.array(to_json(dict(trial.about))),
     }
     # Not compressed: full mantissas shrink by 6 % only and cost thirty times the time.
-    return write_members(path, members)
+    return write_members(path, members, replace=replace)
 
 
 def load_trial(path: Path) -> Trial:

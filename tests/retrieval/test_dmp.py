@@ -133,3 +133,10 @@ def test_bad_arguments():
     ):
         with pytest.raises(ArgumentError, match=message):
             wrong()
+
+
+def test_a_clock_that_has_run_out_is_refused():
+    time = np.linspace(0.0, 1.0, 5)
+    motion = Motion(*(np.outer(time, [1.0, 2.0]) for _ in range(3)))
+    with pytest.raises(ArgumentError, match=r"s falls to 1\.0e-320: .*give larger s"):
+        forcing_term(motion, np.ones(2), np.full(5, 1e-320), 100.0, 20.0)

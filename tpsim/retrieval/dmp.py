@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tpsim.archive import Stored
 from tpsim.checks import (
+    HUGE,
     affordable,
     array_of,
     finite_array,
@@ -129,7 +130,11 @@ def forcing_term(
     if goal.shape != motion.position.shape[1:]:
         raise ArgumentError(f"goal {goal.shape} must be {motion.position.shape[1:]}")
     pull = stiffness * (goal - motion.position)
-    return (motion.acceleration - pull + damping * motion.velocity) / s[:, None]
+    needed = motion.acceleration - pull + damping * motion.velocity
+    if not np.abs(needed).max(initial=0.0) < HUGE * min(s.min(), 1.0):
+        raise ArgumentError(f"s falls to {s.min():.1e}: what it scales has no end; give larger s")
+    forcing: NDArray = needed / s[:, None]
+    return forcing
 
 
 def attractor_path(motion: Motion, stiffness: float, damping: float) -> NDArray:

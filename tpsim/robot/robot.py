@@ -247,11 +247,11 @@ class Robot:
         weight = np.abs(self.gravity_torque(q)) / self.torque_limit
         return bool(room > margin and weight.max() < load)
 
-    def frame_of(self, name: str) -> int:
+    def frame_of(self, site: str) -> int:
         """Frame of a site in Pinocchio's model."""
-        if not isinstance(name, str) or name not in self.sites:
-            raise SimulationError(f"no site {shown(name)} on the robot, only {sorted(self.sites)}")
-        return self.sites[name]
+        if not isinstance(site, str) or site not in self.sites:
+            raise SimulationError(f"no site {shown(site)} on the robot, only {sorted(self.sites)}")
+        return self.sites[site]
 
     def compute_gravity(self, q: np.ndarray) -> np.ndarray:
         """Gravity and spring torque (n,) [Nm]."""

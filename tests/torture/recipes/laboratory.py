@@ -122,7 +122,7 @@ def _robot(book: Book) -> None:
     )
     add("lab.Robot.at", ROBOT.at, q=START, dq=0.1 * START, objects=OBJECTS, time=0.1)
     add("lab.Robot.chain", ROBOT.chain, site="tip")
-    add("lab.Robot.frame_of", ROBOT.frame_of, name="tip")
+    add("lab.Robot.frame_of", ROBOT.frame_of, site="tip")
     add("lab.Robot.index", ROBOT.index, joints="sh.*")
     add("lab.Robot.index", ROBOT.index, joints=("elbow",))
     add("lab.Robot.span", ROBOT.span, joints="sh.*")

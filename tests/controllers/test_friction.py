@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tpsim import Gaussian
+from tpsim.controllers.friction import felt_mass
 from tpsim.controllers.minimal_intervention import MinimalIntervention
 from tpsim.controllers.optimal import bandwidth_for
 from tpsim.controllers.product import Skill
@@ -130,3 +131,9 @@ def test_the_default_bandwidth_keeps_half_the_delay_margin():
 def test_friction_is_not_negative():
     with pytest.raises(ArgumentError, match="friction"):
         MinimalIntervention([], friction=-1.0)
+
+
+def test_a_hand_without_mass_is_refused(planar3_world, monkeypatch):
+    monkeypatch.setattr("tpsim.controllers.friction.felt", lambda state, site: (0.0, 0.0))
+    with pytest.raises(ArgumentError, match="0 kg at the hands; give the robot inertia"):
+        felt_mass(planar3_world.robot.at_home)

@@ -16,7 +16,10 @@ def felt_mass(state: State) -> float:
     """Mass [kg] that a person feels at a hand, mean over the hands."""
     if not state.robot.hands:
         raise ArgumentError("the robot has no hand; friction is what a person feels at one")
-    return float(np.mean([felt(state, site)[0] for site in state.robot.hands.values()]))
+    mass = float(np.mean([felt(state, site)[0] for site in state.robot.hands.values()]))
+    if not 0 < mass < np.inf:
+        raise ArgumentError(f"a person feels {mass:g} kg at the hands; give the robot inertia")
+    return mass
 
 
 def damping(

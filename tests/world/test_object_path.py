@@ -6,7 +6,7 @@ import pytest
 from tpsim import rotation
 from tpsim.controllers.renewed import FixedImpedance
 from tpsim.errors import ArgumentError
-from tpsim.world.object_path import MovingObjects, ObjectPath
+from tpsim.world.object_path import BLOCK, MovingObjects, ObjectPath
 from tpsim.world.rollout import rollout
 
 
@@ -73,3 +73,19 @@ def test_a_jump_is_no_velocity_and_the_end_of_a_path_is_rest(planar3_world):
         objects.act(step)
         assert not objects.now["first"].velocity.any()
     np.testing.assert_allclose(objects.now["first"].position, [0.2, 1, 0])
+
+
+def test_blocks_of_a_path_are_the_path_itself(planar3_world):
+    end = (2 * BLOCK + 100) * planar3_world.timestep
+    half = tuple(rotation.to_quaternion(rotation.exp([0, 0, 1.0])))
+    path = ObjectPath("first", ((0, 1, 0), (0.3, 1, 0)), (0.0, end), ((1, 0, 0, 0), half))
+    objects, steps = MovingObjects([path], planar3_world.simulation()), 2 * BLOCK + 110
+    expected = path.poses(planar3_world.timestep * np.arange(steps))
+    for step in range(steps):
+        objects.act(step)
+        now = objects.now["first"]
+        np.testing.assert_allclose(now.position, expected[0][step], atol=1e-15)
+        turned = rotation.from_quaternion(expected[1][step])
+        np.testing.assert_allclose(now.rotation, turned, atol=1e-15)
+        speed = 0.3 / end if 0 < step <= end / planar3_world.timestep else 0.0
+        np.testing.assert_allclose(now.velocity, [speed, 0, 0], atol=1e-9)

@@ -23,6 +23,9 @@ FAST = 2.0
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 """Quaternion of an object that is not turned."""
 
+BLOCK = 500
+"""Time steps whose poses are computed at once: a trial that ends early has not paid for all."""
+
 
 @dataclass(frozen=True)
 class ObjectPath:
@@ -96,16 +99,36 @@ class ObjectPath:
         times = finite_array("times", times)
         if times.ndim != 1:
             raise ArgumentError(f"times have shape {times.shape}; give (T,)")
-        before, after, share = around(np.array(self.times), times)
-        # At rest there is no way to go, and nothing that rounding errors could come from.
-        p, share = np.array(self.positions), np.where(before == after, 0.0, share)[:, None]
-        turned = np.array(self.quaternions)
+        return _Waypoints(self).poses(times)
+
+
+class _Waypoints:
+    """Where a path leads through, as arrays, made once for all times that are asked for.
+
+    Attributes
+    ----------
+    rest : bool
+        Whether the object never moves.
+    """
+
+    def __init__(self, path: ObjectPath):
+        self._times, self._positions = np.array(path.times), np.array(path.positions)
+        turned = np.array(path.quaternions)
         size = np.linalg.norm(turned, axis=1, keepdims=True)
         # What is a unit already stays as it is, so that poses of this path make the same path.
-        turned = rotation.continuous(turned / np.where(np.abs(size - 1) < 1e-12, 1.0, size))
-        return p[before] + share * (p[after] - p[before]), _slerp(
-            turned[before], turned[after], share
-        )
+        turned = turned / np.where(np.abs(size - 1) < 1e-12, 1.0, size)
+        self._quaternions = rotation.continuous(turned)
+        ways = self._positions, self._quaternions
+        self.rest = not any(np.ptp(way, axis=0).any() for way in ways)
+
+    def poses(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Positions (T, 3) [m] and quaternions (T, 4) at times (T,) [s]."""
+        before, after, share = around(self._times, times)
+        # At rest there is no way to go, and nothing that rounding errors could come from.
+        share = np.where(before == after, 0.0, share)[:, None]
+        p, turned = self._positions, self._quaternions
+        position: np.ndarray = p[before] + share * (p[after] - p[before])
+        return position, _slerp(turned[before], turned[after], share)
 
 
 class MovingObjects:
@@ -139,16 +162,29 @@ class MovingObjects:
         self._steps = round(max(last, 0.0) / h) + 2 if paths else 1
         movable = np.flatnonzero(model.body_mocapid >= 0)
         movable = movable[np.argsort(model.body_mocapid[movable])]
-        self._positions = np.tile(model.body_pos[movable], (self._steps, 1, 1))
-        self._quaternions = np.tile(model.body_quat[movable], (self._steps, 1, 1))
-        for path in paths:
-            poses = path.poses(h * np.arange(self._steps))
-            row = simulation.objects[path.name]
-            self._positions[:, row], self._quaternions[:, row] = poses
-        self._twists = _twists(self._positions, self._quaternions, h)
+        self._home = model.body_pos[movable], model.body_quat[movable]
+        self._ways = [(simulation.objects[path.name], _Waypoints(path)) for path in paths]
+        self._rest = all(way.rest for _, way in self._ways)
+        self._timestep, self._rows = h, simulation.objects
         self._mocap = data.mocap_pos, data.mocap_quat
-        self._rows = simulation.objects
+        self._compute(0)
         self.now = self._at(0)
+
+    def _compute(self, first: int) -> None:
+        """Poses and velocities of a block of time steps."""
+        # Velocities are since the step before, which the block begins with.
+        before = min(first, 1)
+        steps = np.arange(first - before, min(first + BLOCK, self._steps))
+        positions, quaternions = (np.tile(start, (len(steps), 1, 1)) for start in self._home)
+        for row, way in self._ways:
+            positions[:, row], quaternions[:, row] = way.poses(self._timestep * steps)
+        twists = None if self._rest else velocities(positions, quaternions, self._timestep)
+        if twists is not None and steps[-1] == self._steps - 1:
+            # It rests at the end of its path.
+            twists[-1] = 0.0
+        self._first = first
+        self._positions, self._quaternions = positions[before:], quaternions[before:]
+        self._twists = None if twists is None else twists[before:]
 
     def moved_to(self, simulation: Simulation) -> "MovingObjects":
         """The same objects, as they are now, in another simulation of the same scene."""
@@ -157,16 +193,19 @@ class MovingObjects:
         return other
 
     def _at(self, step: int) -> Objects:
-        twists = None if self._twists is None else self._twists[step]
-        return Objects(self._rows, self._positions[step], self._quaternions[step], twists)
+        if not 0 <= (row := step - self._first) < BLOCK:
+            row = step % BLOCK
+            self._compute(step - row)
+        twists = None if self._twists is None else self._twists[row]
+        return Objects(self._rows, self._positions[row], self._quaternions[row], twists)
 
     def act(self, step: int) -> None:
         """Move the objects to their poses at this time step."""
-        if step >= self._steps or (self._twists is None and step > 1):
+        if step >= self._steps or (self._rest and step > 1):
             return
         positions, quaternions = self._mocap
-        positions[:], quaternions[:] = self._positions[step], self._quaternions[step]
-        self.now = self._at(step)
+        self.now = now = self._at(step)
+        positions[:], quaternions[:] = now.positions, now.quaternions
 
 
 def put_objects(paths: Sequence[ObjectPath], simulation: Simulation) -> None:
@@ -174,16 +213,6 @@ def put_objects(paths: Sequence[ObjectPath], simulation: Simulation) -> None:
     if paths:
         MovingObjects(paths, simulation).act(0)
         mujoco.mj_forward(simulation.model, simulation.data)
-
-
-def _twists(positions: np.ndarray, quaternions: np.ndarray, timestep: float) -> np.ndarray | None:
-    """Velocities (T, k, 6) [m/s], [rad/s] since the step before; None where nothing moves."""
-    if not (np.ptp(positions, axis=0).any() or np.ptp(quaternions, axis=0).any()):
-        return None
-    twists = velocities(positions, quaternions, timestep)
-    # It rests at the end of its path.
-    twists[-1] = 0.0
-    return twists
 
 
 def velocities(positions: np.ndarray, quaternions: np.ndarray, timestep: float) -> np.ndarray:

@@ -81,7 +81,7 @@ class Intervention(OptimalImpedance):
         loop it may give or take energy, which the tank bounds (:mod:`tpsim.world.tank`).
         """
         modes = Modes.of(product, state)
-        root = modes.inertia_root @ modes.vectors
+        root = modes.inertia_root.dot(modes.vectors)
         stiffness = self.stiffness(modes.precision, state.robot)
         return Impedance.of_modes(root, stiffness, state.q + modes.way)
 

@@ -77,6 +77,16 @@ class Stack:
                 continue
             y[rows], J[rows] = seen.value, seen.jacobian
 
+    def follow(self, state: State) -> tuple[np.ndarray, np.ndarray]:
+        """Drift (size,) as in :meth:`drift`, and how values follow the joints (size, n)."""
+        drift, rate = np.zeros(self.size), np.zeros((self.size, state.robot.n))
+        for view, rows in zip(self.views, self.rows, strict=True):
+            with suppress(UnseenError):
+                seen = view(state)
+                drift[rows] = seen.drift
+                rate[rows] = seen.jacobian if seen.rate is None else seen.rate
+        return drift, rate
+
     def drift(self, state: State) -> np.ndarray:
         """Rates (size,) at which the views change while the robot rests, since objects move."""
         found = np.zeros(self.size)

@@ -11,7 +11,7 @@ from tpsim.border import Positive, border
 from tpsim.controllers.intervention import Intervention
 from tpsim.controllers.product import Information, Skill
 from tpsim.robot.state import State
-from tpsim.robot.views.view import Seen
+from tpsim.robot.views.nullspace import eye
 from tpsim.world.impedance import Impedance
 
 STEADY = 0.1
@@ -60,13 +60,15 @@ class Pursuit(Intervention):
         state = self._ahead(state)
         product, robot = self.product(state), state.robot
         now = self.optimum(product, state)
-        pull = now.stiffness @ (now.reference - state.q)
+        pull = now.stiffness.dot(now.reference - state.q)
         # At this speed spring and damper are in balance.
         speed = dgesv(now.damping, pull)[2]
         share = np.abs(pull) / (self.strength * robot.torque_limit)
         excess = max(share.max(), (np.abs(speed) / robot.velocity_limit).max())
         held = now if excess <= 1 else now.weaker(excess)
-        return replace(held, velocity=self._keep_up(product, state))
+        return Impedance(
+            held.stiffness, held.damping, held.reference, self._keep_up(product, state)
+        )
 
     def _ahead(self, state: State) -> State:
         """The state with the objects' velocities in the middle of the period to come.
@@ -88,15 +90,9 @@ class Pursuit(Intervention):
     def _keep_up(self, product: Information, state: State) -> np.ndarray:
         """Joint velocity (n,) [rad/s] that keeps up with the frames."""
         assert self._product is not None
-        seen = [view(state) for view in self._product.stack.views]
-        drift = self._product.stack.drift(state)
-        K = np.concatenate([_rate(s) for s in seen])
-        JW = product.jacobian.T @ product.precision
-        steady = np.eye(state.robot.n) / STEADY**2
-        velocity = dgesv(JW @ K + steady, -JW @ drift)[2]
+        drift, K = self._product.stack.follow(state)
+        JW = product.jacobian.T.dot(product.precision)
+        steady = eye(state.robot.n, STEADY**-2)
+        velocity = dgesv(JW.dot(K) + steady, -JW.dot(drift))[2]
         limit = state.robot.velocity_limit
         return np.minimum(np.maximum(velocity, -limit), limit)
-
-
-def _rate(seen: Seen) -> np.ndarray:
-    return seen.jacobian if seen.rate is None else seen.rate

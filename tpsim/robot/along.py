@@ -75,13 +75,14 @@ def poses_along(robot: Robot, q: np.ndarray, sites: Collection[str]) -> Pose:
     return Pose(found[..., :3, :3], found[..., :3, 3])
 
 
-def jacobians_along(robot: Robot, q: np.ndarray, site: str) -> np.ndarray:
-    """Jacobians (T, 6, n) of a site, world-aligned, along postures q (T, n) [rad]."""
+def jacobians_along(robot: Robot, q: np.ndarray, sites: Collection[str]) -> np.ndarray:
+    """Jacobians (k, T, 6, n) of k sites, world-aligned, along postures q (T, n) [rad]."""
     model, aligned = robot.mechanism.model, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-    data, frame = model.createData(), robot.sites[site]
-    found = np.empty((len(q), 6, robot.n))
-    for J, posture in zip(found, q, strict=True):
+    data, frames = model.createData(), [robot.frame_of(site) for site in sites]
+    found = np.empty((len(q), len(frames), 6, robot.n))
+    for row, posture in zip(found, q, strict=True):
         pin.computeJointJacobians(model, data, posture)
-        pin.updateFramePlacement(model, data, frame)
-        J[:] = pin.getFrameJacobian(model, data, frame, aligned)
-    return found
+        for J, frame in zip(row, frames, strict=True):
+            pin.updateFramePlacement(model, data, frame)
+            J[:] = pin.getFrameJacobian(model, data, frame, aligned)
+    return found.swapaxes(0, 1)

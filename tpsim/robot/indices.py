@@ -69,9 +69,12 @@ class Indices:
 
     def span(self, joints: Names) -> slice | np.ndarray:
         """The same indices as a slice, where they follow each other."""
-        joints = _hashable(joints)
-        found = self._spans.get(joints)
+        try:
+            found = self._spans.get(joints)
+        except TypeError:
+            found = None
         if found is None:
+            joints = _hashable(joints)
             found = self._spans[joints] = as_slice(self.find(joints))
         return found
 

@@ -57,7 +57,8 @@ class Impedance:
             Posture [rad].
         """
         damping = np.sqrt(2 * stiffness)
-        return cls((modes * stiffness) @ modes.T, (modes * damping) @ modes.T, reference)
+        back = modes.T
+        return cls((modes * stiffness).dot(back), (modes * damping).dot(back), reference)
 
     @border
     def weaker(self, factor: Positive) -> "Impedance":
@@ -160,8 +161,8 @@ class Drive:
         self._gain = np.concatenate((now.stiffness, now.damping - self._given), axis=1)
         self._wanted, self._lead = now.stiffness.dot(now.reference), None
         if now.velocity is not None:
-            self._wanted += now.damping @ now.velocity
-            self._lead = now.stiffness @ (self.period * now.velocity)
+            self._wanted += now.damping.dot(now.velocity)
+            self._lead = now.stiffness.dot(self.period * now.velocity)
 
 
 def compliance(J: np.ndarray, stiffness: np.ndarray) -> np.ndarray:

@@ -137,10 +137,9 @@ class Log:
             # A tank without limit has no level.
             if np.isfinite(energy).all():
                 signals[f"energy_{name}"] = energy
-        for name, site in self._sites.items():
-            if site in self._hands:
-                J = jacobians_along(robot, q, site)
-                signals[f"{name}_stiffness"] = hand_stiffness(J, stiffness)[:, :3, :3]
+        hands = {name: site for name, site in self._sites.items() if site in self._hands}
+        for name, J in zip(hands, jacobians_along(robot, q, hands.values()), strict=True):
+            signals[f"{name}_stiffness"] = hand_stiffness(J, stiffness)[:, :3, :3]
         return signals
 
     def _wrenches(self) -> dict[str, np.ndarray]:

@@ -23,7 +23,7 @@ FAST = 2.0
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 """Quaternion of an object that is not turned."""
 
-BLOCK = 500
+BLOCK = 1000
 """Time steps whose poses are computed at once: a trial that ends early has not paid for all."""
 
 

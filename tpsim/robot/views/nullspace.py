@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 
 @cache
-def eye(size: int) -> np.ndarray:
-    """Identity, made once: control loops ask for it often."""
-    return np.eye(size)
+def eye(size: int, factor: float = 1.0) -> np.ndarray:
+    """Identity times a factor, made once: control loops ask for it often."""
+    return factor * np.eye(size)
 
 
 def stacked_rows(views: Sequence["View"], state: State) -> np.ndarray:
@@ -31,6 +31,6 @@ def through_nullspace(J_second: np.ndarray, J: np.ndarray, damping: float) -> np
 
     By the normal equations of J (m, n): an SVD costs ten times as much.
     """
-    gram = J.dot(J.T) + damping**2 * eye(len(J))
+    gram = J.dot(J.T) + eye(len(J), damping**2)
     felt: np.ndarray = dposv(gram, J.dot(J_second.T))[1]
     return J_second - felt.T.dot(J)

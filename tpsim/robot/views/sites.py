@@ -258,8 +258,10 @@ class SiteView(View):
             J = J - J_base
             J[:3] += pin.skew(arm).dot(J_base[3:])
         elif isinstance(base, Moving) and state.objects.twists is not None:
-            v = base.velocity + pin.skew(base.angular_velocity) @ arm
-            drift = -np.concatenate((back @ v, back @ base.angular_velocity))
+            v, omega = base.velocity, base.angular_velocity
+            drift = np.empty(6)
+            drift[:3] = back.dot(pin.skew(arm).dot(omega) - v)
+            drift[3:] = -back.dot(omega)
         return np.matmul(back, J.reshape(2, 3, -1)).reshape(6, -1), drift
 
     def _back(self, robot: Robot) -> np.ndarray:

@@ -9,6 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -285,12 +286,12 @@ class Beneath(View):
         beneath = through_nullspace(J_second, J, self.damping)
         if self.bend is None:
             return Seen(value, beneath, drift, beneath)
-        s = self.damping**2 + self.bend * float(np.sqrt(value @ value))
-        G, one = beneath @ beneath.T, eye(len(value))
+        s = self.damping**2 + self.bend * sqrt(value.dot(value))
+        G, one = beneath.dot(beneath.T), eye(len(value))
         # P = G (G + s I)^-1 = I - s (G + s I)^-1.
         free = one - s * dposv(G + s * one, one)[1]
         rate = J_second if rate is None else rate
-        return Seen(free @ value, beneath, free @ drift, free @ rate)
+        return Seen(free.dot(value), beneath, free.dot(drift), free.dot(rate))
 
 
 def _check_flat(view: View, what: str) -> None:

@@ -4,8 +4,10 @@ import hashlib
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from threading import Event
 
 import numpy as np
 from threadpoolctl import threadpool_info, threadpool_limits
@@ -41,6 +43,31 @@ def test_blocks_are_nested_and_leave_what_was():
         assert threads() == before
         assert one_thread()(threads)() == {1}
         assert threads() == before
+
+
+def test_blocks_of_several_threads_count_whoever_comes_first_and_leaves_last():
+    entered, other = Event(), ThreadPoolExecutor(1)
+
+    def first():
+        with one_thread():
+            entered.wait(10)
+
+    def last():
+        with one_thread():
+            entered.set()
+            leaving.result(10)
+            return threads()
+
+    with threadpool_limits(2), other, ThreadPoolExecutor(1) as third:
+        before = threads()
+        for _ in range(2):
+            leaving = other.submit(first)
+            assert third.submit(last).result(10) == {1}
+            assert threads() == before
+            assert one_thread()(threads)() == {1}
+            assert other.submit(one_thread()(threads)).result(10) == {1}
+            assert threads() == before
+            entered.clear()
 
 
 def test_learning_a_large_model_has_the_bits_of_one_thread():

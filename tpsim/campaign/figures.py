@@ -86,12 +86,13 @@ def figures_row(
         "digest": digest(trial),
     }
     kept = trial.outcome not in ("diverged", "contact")
+    as_if = _as_if_pushed(beside, trial) if condition.people else beside
     for measure in measures_of(study, condition.label):
         number = _number(measure, record)
         row[measure.name] = _finite(number)
         kept &= _keeps(measure, number, success)
         if condition.people:
-            row[f"twin_{measure.name}"] = _finite(_in_twin(measure, trial, beside))
+            row[f"twin_{measure.name}"] = _finite(_in_twin(measure, trial, beside, as_if))
     row["saturated_steps"] = float(trial["saturated_steps"][-1])
     row["success"] = bool(kept)
     if condition.people:
@@ -144,12 +145,15 @@ def _keeps(measure: Measure, number: float | None, success: tuple[str, ...]) -> 
     return number >= measure.limit if measure.at_least else number <= measure.limit
 
 
-def _in_twin(measure: Measure, trial: Trial, twin: Record) -> float | None:
-    """The same measure of the twin, in the same part of the trial."""
+def _in_twin(measure: Measure, trial: Trial, twin: Record, as_if: Record) -> float | None:
+    """The same measure of the twin, in the same part of the trial.
+
+    ``as_if`` is the twin with the push in its signals.
+    """
     if measure.window == "pushed":
         measure = replace(measure, window=_acting(trial))
     elif measure.window is None and not isinstance(measure.of, View):
-        twin = _as_if_pushed(twin, trial)
+        twin = as_if
     return _number(measure, twin)
 
 

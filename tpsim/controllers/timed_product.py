@@ -36,7 +36,9 @@ class TimedProduct:
         self._model = StackedModel(skill, self._stack) if self._inputs else None
         self._views = [Regression.of(GMM(skill.model.priors, frame)) for frame in frames]
         self._order, self._prior, self._times = order, prior, times
-        self._seen: tuple[State, np.ndarray, np.ndarray] | None = None
+        self._state: State | None = None
+        self._seen: tuple[np.ndarray, np.ndarray] = np.zeros(0), np.zeros((0, 0))
+        self._found: dict[float, tuple[np.ndarray, Gaussian, np.ndarray]] = {}
         # What frames retrieve depends on no state: all at once, before the movement begins.
         self._known = None if self._inputs else self._local(times)
 
@@ -60,7 +62,15 @@ class TimedProduct:
 
     def _asked(self, state: State, time: float) -> tuple[np.ndarray, Gaussian, np.ndarray]:
         """Weights (K,) and steps (K, n) of the components at a time, and their W J (K, m, n)."""
-        lead, (y, J) = self._inputs, self._see(state)
+        if self._state is not state:
+            self._state, self._seen, self._found = state, self._see(state), {}
+        found = self._found.get(time)
+        if found is None:
+            found = self._found[time] = self._ask(state, time)
+        return found
+
+    def _ask(self, state: State, time: float) -> tuple[np.ndarray, Gaussian, np.ndarray]:
+        lead, (y, J) = self._inputs, self._seen
         if self._model is None:
             weights, precision, mean = self._at(time)
         else:
@@ -80,14 +90,12 @@ class TimedProduct:
 
     def _see(self, state: State) -> tuple[np.ndarray, np.ndarray]:
         """Views (m,) and their Jacobians (m, n), after that of the time where there is one."""
-        if self._seen is None or self._seen[0] is not state:
-            lead, size = self._inputs, self._stack.size
-            y, J = np.zeros(size), np.zeros((size, lead + state.robot.n))
-            self._stack.see(state, y, J[:, lead:])
-            if lead:
-                J[[block.start for block in self._blocks], 0] = 1.0
-            self._seen = state, y, J
-        return self._seen[1:]
+        lead, size = self._inputs, self._stack.size
+        y, J = np.zeros(size), np.zeros((size, lead + state.robot.n))
+        self._stack.see(state, y, J[:, lead:])
+        if lead:
+            J[[block.start for block in self._blocks], 0] = 1.0
+        return y, J
 
     def _at(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Weights (K,), precision (K, m, m), mean (K, m) of what all frames retrieve at a time."""

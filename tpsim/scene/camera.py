@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from typing import Annotated
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from tpsim.border import Point, Range, checked
 
 
@@ -24,3 +27,12 @@ class Camera:
 
     def __post_init__(self) -> None:
         checked(self)
+
+
+def upright(backward: ArrayLike) -> np.ndarray:
+    """Axes of an upright camera in the rows (3, 3): to its right, up, and backward (3,)."""
+    back = np.asarray(backward, float)
+    right = np.cross((0.0, 0.0, 1.0), back)
+    axes = np.stack([right, np.cross(back, right), back])
+    unit: np.ndarray = axes / np.linalg.norm(axes, axis=1, keepdims=True)
+    return unit

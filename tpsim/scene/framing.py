@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tpsim.scene.camera import Camera
+from tpsim.scene.camera import Camera, upright
 
 SIDEWAYS, UP, DOWN = 1.5, 0.92, 0.74
 """Part of a picture in which films show arms, in halves of its height: above the caption."""
@@ -19,10 +19,8 @@ def framed(camera: Camera, points: np.ndarray, around: float, *, filled: bool = 
     high = np.tan(np.radians(camera.fovy) / 2)
     least, most = high * np.array([-SIDEWAYS, -DOWN]), high * np.array([SIDEWAYS, UP])
     place, target = np.array(camera.position), np.array(camera.target)
-    back = (place - target) / np.linalg.norm(place - target)
-    right = np.cross((0.0, 0.0, 1.0), back)
-    right /= np.linalg.norm(right)
-    axes = np.array([right, np.cross(back, right)])
+    right, up, back = upright(place - target)
+    axes = np.array([right, up])
     for _ in range(STEPS):
         depth = (place - points) @ back
         seen = (points - place) @ axes.T / depth[:, None]

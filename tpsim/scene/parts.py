@@ -8,6 +8,7 @@ import numpy as np
 
 from tpsim.errors import SimulationError
 from tpsim.paths import MODELS
+from tpsim.scene.camera import upright
 
 
 def read(model: str, name: str) -> mujoco.MjSpec:
@@ -169,11 +170,7 @@ def camera(
     fovy: float,
 ) -> None:
     """Add a camera at ``position`` that looks at ``target``, upright, with ``fovy`` degrees."""
-    backward = np.subtract(position, target)
-    right = np.cross((0, 0, 1), backward)
-    up = np.cross(backward, right)
-    axes = [axis / np.linalg.norm(axis) for axis in (right, up, backward)]
-    quaternion = _quaternion(np.stack(axes, axis=1))
+    quaternion = _quaternion(upright(np.subtract(position, target)).T)
     spec.worldbody.add_camera(name=name, pos=position, quat=quaternion, fovy=fovy)
 
 

@@ -55,7 +55,7 @@ class Record:
     @border
     def see(self, view: View) -> np.ndarray:
         """Value (T, d) of a view along the trial; the latest are kept."""
-        seen, key = self.all.seen, (id(self), view)
+        seen, key = self.all.seen, (self, view)
         if key not in seen:
             robot, trial = self.task.stage.robot, self.trial
             (seen[key],) = observe(robot, [view], trial["q"], trial.objects)
@@ -128,7 +128,7 @@ class Records(Sequence[Record]):
     @border
     def __init__(self, task: Task, models: Models, trials: Sequence[tuple[Condition, Trial]] = ()):
         self.task, self.models = task, models
-        self.seen: OrderedDict[tuple[int, View], np.ndarray] = OrderedDict()
+        self.seen: OrderedDict[tuple[Record, View], np.ndarray] = OrderedDict()
         self.lost: list[Lost] = []
         self._records = [Record(c, t, task, models, self) for c, t in trials]
 

@@ -8,26 +8,32 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
-from threading import Lock
+from threading import Lock, local
 
 from threadpoolctl import ThreadpoolController
 
 _lock = Lock()
 _depth = 0
 _before: list = []
+_own = local()
 
 
 @contextmanager
 def one_thread() -> Iterator[None]:
     """Keep BLAS and OpenMP on one thread in this block; as a decorator, in a function.
 
-    Who comes first sets the limit and who leaves last takes it away, so that blocks may be nested
-    and may overlap in several threads of a program.
+    BLAS has one limit in a process: who comes first sets it and who leaves last takes it away, so
+    that blocks may be nested and may overlap in several threads of a program. OpenMP has one in
+    each of those.
     """
     global _depth
+    first = not getattr(_own, "inside", False)
+    if first:
+        _own.inside = True
+        own = _libraries("openmp").limit(limits=1)
     with _lock:
         if _depth == 0:
-            _before.append(_libraries().limit(limits=1))
+            _before.append(_blas_for_any_thread().limit(limits=1))
         _depth += 1
     try:
         yield
@@ -35,7 +41,24 @@ def one_thread() -> Iterator[None]:
         with _lock:
             _depth -= 1
             if _depth == 0:
+                _blas_for_any_thread()
                 _before.pop().restore_original_limits()
+                _blas_for_any_thread()
+        if first:
+            own.restore_original_limits()
+            _own.inside = False
+
+
+def _blas_for_any_thread() -> ThreadpoolController:
+    """BLAS libraries, of which any thread may set limits next.
+
+    threadpoolctl 3.7 and later otherwise ignores all threads but the last that did.
+    """
+    found = _libraries("blas")
+    for library in found.lib_controllers:
+        if hasattr(library, "clear_controlling_thread"):
+            library.clear_controlling_thread(force=True)
+    return found
 
 
 def linear_algebra() -> str:
@@ -43,7 +66,7 @@ def linear_algebra() -> str:
 
     Bits depend on the library and on the kind of processor that its kernels are made for.
     """
-    found = [pool for pool in _libraries().info() if pool["user_api"] == "blas"]
+    found = _libraries("blas").info()
     return "; ".join(
         " ".join(
             filter(None, (pool["internal_api"], pool["version"], pool.get("architecture", "")))
@@ -53,15 +76,15 @@ def linear_algebra() -> str:
     )
 
 
-def _libraries() -> ThreadpoolController:
+def _libraries(kind: str) -> ThreadpoolController:
     # Only a library that is loaded can be limited: numpy and scipy bring one each.
     import scipy.linalg
 
     assert scipy.linalg
-    return _loaded(len(sys.modules))
+    return _loaded(kind, len(sys.modules))
 
 
-@lru_cache(maxsize=1)
-def _loaded(modules: int) -> ThreadpoolController:
+@lru_cache(maxsize=2)
+def _loaded(kind: str, modules: int) -> ThreadpoolController:
     """What is loaded; looked for again only after something was imported, since it takes 4 ms."""
-    return ThreadpoolController()
+    return ThreadpoolController().select(user_api=kind)

@@ -65,12 +65,10 @@ def comfortable(
         )
         try:
             found.append((float(result.cost), satisfy(robot, list(exact), result.x, objects)))
-        except SimulationError:
-            continue
+        except SimulationError as error:
+            why = str(error)
     if not found:
-        raise SimulationError(
-            f"no posture within the joint limits is found at which {list(exact)} are zero"
-        )
+        raise SimulationError(f"{why}, from each of {starts} starts")
     return iter(q for _, q in sorted(found, key=lambda pair: pair[0]))
 
 

@@ -112,7 +112,12 @@ def satisfy(
         if np.abs(y).max() < 1e-6:
             return q
         step = np.linalg.lstsq(np.concatenate([s.jacobian for s in seen]), -y, rcond=1e-6)[0]
-        q = np.clip(q + step * min(1.0, 0.5 / np.abs(step).max()), robot.lower, robot.upper)
+        if not (longest := float(np.abs(step).max())):
+            break
+        q = np.clip(q + step * min(1.0, 0.5 / longest), robot.lower, robot.upper)
+    worst = int(np.argmax(np.abs(y)))
+    names = [f"{type(v).__name__} '{label}'" for v in views for label in v.labels(robot)]
     raise SimulationError(
-        f"no posture within the joint limits satisfies {list(views)}; {np.abs(y).max():.3g} is left"
+        "no posture within the joint limits makes all views zero: "
+        f"{y[worst]:.3g} of {names[worst]} is left"
     )

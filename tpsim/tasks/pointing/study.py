@@ -6,6 +6,7 @@ from typing import cast
 
 import numpy as np
 
+from tpsim.errors import SimulationError
 from tpsim.study.condition import Condition
 from tpsim.study.expert import fixed_gains
 from tpsim.study.study import Lab, Phases, Plan, Study
@@ -23,20 +24,23 @@ PUSH = 10.0
 """Force on what points of an arm of size 1 [N], for two seconds."""
 
 SPEED, JUMP = 0.1, 0.15
-"""How fast an object moves [m/s] while the arm turns and points to it, and how far it jumps [m]."""
+"""How fast an object moves [m/s] while an arm of size 1 turns and points to it, and how far it
+jumps [m]."""
+
+TRIES = 30
+"""Headings that are drawn for an object, at most, until the arm can point wherever it comes."""
 
 _DRAWS = 2
 
 
 def conditions(lab: Lab, plan: Plan) -> Phases:
     """Every situation at rest, moving and jumping; the same pushes at rest and moving."""
-    pointer = cast(Pointing, lab.task).pointer
-    found = []
+    task = cast(Pointing, lab.task)
+    pointer, found = task.pointer, []
     for index in range(plan.situations):
         situation = draw_situation(lab.task, plan.seed, index)
         rng = plan.rng(_DRAWS, index)
-        moving = _moved(situation, rng, _passing)
-        jumping = _moved(situation, rng, _jumping)
+        moving, jumping = (_moved(task, situation, rng, how) for how in (_passing, _jumping))
         found += [
             Condition("unpushed", situation),
             Condition("moving", moving),
@@ -61,17 +65,34 @@ def _push(pointer: Pointer, rng: np.random.Generator, start: float) -> Push:
 
 
 def _moved(
+    task: Pointing,
     situation: Situation,
     rng: np.random.Generator,
     move: Callable[[ObjectPath, np.ndarray], ObjectPath],
 ) -> Situation:
-    """The situation with every object moving as ``move`` says, some way."""
-    paths = tuple(move(path, _heading(rng)) for path in situation.objects)
-    return replace(situation, objects=paths)
+    """The situation with every object moving as ``move`` says, some way that the arm can follow.
+
+    Raises
+    ------
+    SimulationError
+        If there is none among those that were drawn.
+    """
+
+    def somewhere(path: ObjectPath) -> ObjectPath:
+        for _ in range(TRIES):
+            moved = move(path, task.pointer.size * _heading(rng))
+            if task.shown_by.can_follow(task.stage, moved):
+                return moved
+        raise SimulationError(
+            f"the arm of this robot cannot point at '{path.name}' wherever it moves from "
+            f"{path.first.position.round(2)}, in any of {TRIES} directions; draw other situations"
+        )
+
+    return replace(situation, objects=tuple(map(somewhere, situation.objects)))
 
 
 def _passing(path: ObjectPath, heading: np.ndarray) -> ObjectPath:
-    """Past its place at even speed, while the arm turns to it and points."""
+    """Past its place at even speed, while the arm turns to it and points; heading of arm's size."""
     place, (start, end) = path.first.position, PHASES[path.name]
     start -= APPROACH
     way = SPEED * (end - start) / 2 * heading

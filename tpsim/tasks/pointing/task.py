@@ -17,6 +17,7 @@ from tpsim.controllers.product import Skill
 from tpsim.controllers.timed_intervention import TimedIntervention
 from tpsim.controllers.torque_cost import acceleration_effort
 from tpsim.demonstration import Demonstration
+from tpsim.errors import SimulationError
 from tpsim.gaussian import Gaussian
 from tpsim.learning.subspace import MFA
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
@@ -41,6 +42,9 @@ POINTED, RESTED = float(np.radians(1.5)), 0.1
 SHOWN, HELD = float(np.radians(4.0)), 0.25
 """Angle [rad] up to which the teacher points well, and how long after and before the phases [s]:
 its timing varies."""
+
+DRAWS = 200
+"""Pairs of places that are drawn for the objects, at most."""
 
 FLAT = "planar3"
 """The arm that points in the plane."""
@@ -137,11 +141,15 @@ class Pointing(Task):
     def situation(self, world: World, rng: np.random.Generator) -> Situation:
         """Draw a start near rest, and objects that the teacher could point at."""
         teacher = self.shown_by
-        start, objects = teacher.rest(world, rng), teacher.objects(world, rng)
-        for path in objects:
-            if not world.robot.is_comfortable(teacher.aim(world, path, rng)):
-                return self.situation(world, rng)
-        return Situation(tuple(start.tolist()), objects)
+        for _ in range(DRAWS):
+            start, objects = teacher.rest(world, rng), teacher.objects(world, rng)
+            if all(teacher.can_aim(world, path, rng) for path in objects):
+                return Situation(tuple(start.tolist()), objects)
+        raise SimulationError(
+            f"the arm of robot '{self.robot}' cannot point at objects on the table before it: of "
+            f"{DRAWS} pairs of places none is within its reach, off its joint limits; give a robot "
+            "with another home"
+        )
 
     def controller(self, world: World, models: Models, situation: Situation) -> TimedIntervention:
         """Point at the objects, wherever they move; joints that were not taught hold the start."""

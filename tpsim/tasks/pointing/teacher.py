@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tpsim.errors import SimulationError
+from tpsim.pose import Pose
 from tpsim.robot.objects import Objects
 from tpsim.tasks.pointing.pointers import Pointer
 from tpsim.world.object_path import ObjectPath
@@ -113,10 +115,33 @@ class PointingTeacher:
         SimulationError
             If the arm cannot point there.
         """
-        preferred = self._near_home(world, rng, self.bent)
-        origin = preferred[world.robot.index(self.pointer.joints)]
-        views = self.pointer.bearing(path.name), self.pointer.posture(origin)
-        return satisfy(world.robot, views, preferred, Objects.of({path.name: path.first}))
+        return self._aimed(world, path.name, path.first, self._near_home(world, rng, self.bent))
+
+    def can_aim(self, world: World, path: ObjectPath, rng: np.random.Generator) -> bool:
+        """Whether the arm points off its limits, bent as at home and as the teacher likes it."""
+        try:
+            return self.can_follow(world, path) and world.robot.is_comfortable(
+                self.aim(world, path, rng)
+            )
+        except SimulationError:
+            return False
+
+    def can_follow(self, world: World, path: ObjectPath) -> bool:
+        """Whether the arm, bent as at home, points off its limits at all places of a path."""
+        robot, places = world.robot, np.unique(path.positions, axis=0)
+        try:
+            return all(
+                robot.is_comfortable(self._aimed(world, path.name, Pose(np.eye(3), p), robot.home))
+                for p in places
+            )
+        except SimulationError:
+            return False
+
+    def _aimed(self, world: World, name: str, place: Pose, bent: np.ndarray) -> np.ndarray:
+        """Posture (n,) that points at an object called ``name``, its redundancy as it is bent."""
+        origin = bent[world.robot.index(self.pointer.joints)]
+        views = self.pointer.bearing(name), self.pointer.posture(origin)
+        return satisfy(world.robot, views, bent, Objects.of({name: place}))
 
     def _near_home(self, world: World, rng: np.random.Generator, deviation: float) -> np.ndarray:
         robot = world.robot

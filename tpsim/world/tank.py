@@ -124,13 +124,13 @@ class Ledger:
         self._robot, self._period, self._size = robot, period, tank.size
         self._unknown = tank.friction * robot.torque_limit
         self._every = max(1, round(SETTLED / period))
-        # More than the motors can do between two looks.
-        self._reserve = self._every * period * float(robot.torque_limit @ speeds(robot))
+        # More than the motors can do in a step.
+        self._most_done = period * float(robot.torque_limit @ speeds(robot))
         # Of velocity over torque.
         self._most = np.concatenate((np.full(robot.n, np.inf), robot.torque_limit))
         self._least = -self._most
         self._owned, self._work, self._dissipated = tank.initial, 0.0, 0.0
-        self._left, self._scarce, self._share = 1, False, 1.0
+        self._left, self._regular, self._scarce, self._share = 1, 0, False, 1.0
         self._height: float | None = None
         # State and torque of every step since the last look, in turn.
         self._rows: list[np.ndarray] = []
@@ -171,7 +171,7 @@ class Ledger:
             Whether to look into the books now, whenever the last look was.
         """
         self._left -= 1
-        if self._left <= 0 or self._scarce or short:
+        if self._left <= 0 or short:
             self._settle(command, state, age)
             if self._scarce:
                 torque = self._allowed(torque, command, state, age)
@@ -228,12 +228,13 @@ class Ledger:
 
     def _settle(self, command: "Impedance", state: State, age: int) -> None:
         """Look into the books: what is owned, what the spring holds, what is left."""
+        self._regular -= len(self._rows) // 2
+        if self._regular <= 0:
+            self._regular = self._every
         self._close(state)
         self._ends = []
         if age == 0:
             self._weights = self._weigh(command)
-        if self._left <= 0:
-            self._left = self._every
         way = self._way(command, state, age)
         stored = max(0.5 * float(way.dot(command.stiffness.dot(way))), 0.0)
         # What the tank cannot hold is lost.
@@ -241,7 +242,9 @@ class Ledger:
         # Where less than this is owned, the spring pulls less.
         least = max(owned, 0.0)
         self._share = 1.0 if stored <= least else least / stored
-        self._scarce = self._share < 1.0 or owned < self._reserve
+        # Until the next look nobody can spend more than is owned.
+        safe = 0.0 if self._share < 1.0 else least / self._most_done
+        self._scarce, self._left = safe < 1.0, max(int(min(safe, self._regular)), 1)
         stored *= self._share
         taken = self._dissipated
         self.energies = Energies(stored, taken, self._work + stored + taken, owned - stored)

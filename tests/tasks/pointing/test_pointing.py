@@ -5,6 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tpsim.errors import SimulationError
+from tpsim.pose import Pose
+from tpsim.robot.objects import Objects
 from tpsim.robot.views.observe import observe
 from tpsim.study.record import Records
 from tpsim.study.study import Lab, Plan
@@ -12,8 +15,9 @@ from tpsim.task.task import draw_situation
 from tpsim.task.verbs import learn, perform, teach
 from tpsim.tasks.pointing import study
 from tpsim.tasks.pointing.task import Pointing
-from tpsim.tasks.pointing.teacher import PHASES
+from tpsim.tasks.pointing.teacher import PHASES, PointingTeacher
 from tpsim.world.object_path import ObjectPath
+from tpsim.world.reach import satisfy
 from tpsim.world.teaching import demonstrate
 
 
@@ -160,3 +164,31 @@ def test_the_same_code_teaches_the_gripper_of_baxter():
     assert trial.outcome == "done"
     held = (trial.time > 2.2) & (trial.time < 3.8)
     assert angle(task, trial, "first")[held].max() < 4.0
+
+
+@pytest.mark.parametrize("robot", ["planar3", "jaco"])
+def test_objects_move_as_far_as_the_arm_is_long_and_where_it_can_point(robot):
+    changed = study.pointing.with_task(robot=robot)
+    task, pointer = changed.task, changed.task.pointer
+    (found,) = study.conditions(Lab(changed, {}), Plan(seed=1, situations=4, pushes=0))
+    ways = {"moving": study.SPEED, "jump": study.JUMP}
+    arm = task.stage.robot
+    for condition in found:
+        for path in condition.situation.objects:
+            if condition.label in ways:
+                begin, end = np.array(path.positions)[[0, -1]]
+                time = path.times[-1] - path.times[0] if condition.label == "moving" else 1.0
+                assert np.linalg.norm(end - begin) / time == pytest.approx(
+                    ways[condition.label] * pointer.size
+                )
+            for place in path.positions:
+                views = pointer.bearing(path.name), pointer.posture()
+                there = Objects.of({path.name: Pose(np.eye(3), np.array(place))})
+                q = satisfy(arm, views, arm.home, there)
+                assert (q - arm.lower > 0.1).all() and (arm.upper - q > 0.1).all()
+
+
+def test_an_arm_that_can_point_at_nothing_is_told_so_in_a_line(monkeypatch):
+    monkeypatch.setattr(PointingTeacher, "can_aim", lambda *_: False)
+    with pytest.raises(SimulationError, match="cannot point at objects on the table before it"):
+        draw_situation(Pointing(), 0, 0)

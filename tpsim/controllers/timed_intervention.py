@@ -12,10 +12,12 @@ from tpsim.controllers.product import Skill
 from tpsim.controllers.progress import Patience, Progress
 from tpsim.controllers.timed_product import TimedProduct
 from tpsim.controllers.torque_cost import share_within
+from tpsim.controllers.within_limits import nearest_within
 from tpsim.errors import SimulationError
 from tpsim.gaussian import Gaussian
 from tpsim.retrieval.tp_gmr import Order
 from tpsim.robot.state import State
+from tpsim.world.guard import unguarded
 from tpsim.world.impedance import Impedance
 
 PULL = 0.12
@@ -96,13 +98,18 @@ class TimedIntervention(OptimalImpedance):
         if failed or not variances[0] > 0:
             raise SimulationError("the covariance of the movement has no eigendecomposition")
         modes, stiffness = L @ V, self.stiffness(1 / variances, state.robot)
-        now = Impedance.of_modes(modes, stiffness, state.q + step.mean)
-        now = replace(now, velocity=velocity)
+        # Where joints can go no further, the others do what they can in their place.
+        lower, upper = (limit - state.q for limit in unguarded(state.robot))
+        root = modes.T / np.sqrt(variances)[:, None]
+        way = nearest_within(step.mean, root, lower, upper)
+        lead = (lower - way) / self.period, (upper - way) / self.period
+        velocity = nearest_within(velocity, root, *lead)
+        now = replace(Impedance.of_modes(modes, stiffness, state.q + way), velocity=velocity)
         # Far away the spring gives way, so that spring against damper asks for no wild speed.
-        pace = np.sqrt(stiffness / 2) * (modes.T @ step.mean)
+        pace = np.sqrt(stiffness / 2) * (modes.T @ way)
         speed = dtrtrs(L, V @ pace, lower=1, trans=1)[0]
         excess = float((np.abs(speed) / state.robot.velocity_limit).max())
-        pull, limit = now.stiffness @ step.mean, state.robot.torque_limit
+        pull, limit = now.stiffness @ way, state.robot.torque_limit
         if self.progress is not None:
             strength = self._patience.strength(time, place, rate)
             excess = max(excess, float((np.abs(pull) / limit).max()) / strength)

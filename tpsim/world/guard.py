@@ -28,9 +28,10 @@ class Guard:
 
     def __init__(self, robot: Robot):
         self._asleep = 0
+        lower, upper = unguarded(robot)
         # Of angles over velocities.
-        self._least = np.concatenate((robot.lower + WIDTH, -robot.velocity_limit))
-        self._most = np.concatenate((robot.upper - WIDTH, robot.velocity_limit))
+        self._least = np.concatenate((lower, -robot.velocity_limit))
+        self._most = np.concatenate((upper, robot.velocity_limit))
 
     def torque(self, state: State) -> np.ndarray | None:
         """Torque (n,) [Nm] at a state; None away from all limits, where it only looks at times."""
@@ -44,3 +45,8 @@ class Guard:
             return None
         torque: np.ndarray = state.mass.diagonal() * (STIFFNESS * back[:n] + DAMPING * back[n:])
         return torque
+
+
+def unguarded(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
+    """Between which angles (n,), (n,) [rad] joints are left to themselves."""
+    return robot.lower + WIDTH, robot.upper - WIDTH

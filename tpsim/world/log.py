@@ -10,9 +10,13 @@ from tpsim import rotation
 from tpsim.robot.along import jacobians_along, poses_along
 from tpsim.robot.state import State
 from tpsim.world.episode import BoundPerson, Episode
+from tpsim.world.guard import unguarded
 from tpsim.world.impedance import Impedance, hand_stiffness
 from tpsim.world.tank import Energies
 from tpsim.world.trial import Channels
+
+EDGE = 1e-9
+"""Angle [rad] from where joints are guarded within which a reference is held at their limits."""
 
 _ALONE = ("saturated_steps", "contact_steps", "torque")
 """Samples that no person has a part in."""
@@ -126,12 +130,13 @@ class Log:
             np.array([getattr(command, part) for command in commands])
             for part in ("stiffness", "damping", "reference")
         )
+        lower, upper = unguarded(robot)
         signals = {
             "stiffness": np.einsum("tii->ti", stiffness),
             "damping": np.einsum("tii->ti", damping),
             "reference": reference,
-            # What asks for more than the joints can do is out of reach.
-            "beyond_limits": (reference < robot.lower) | (reference > robot.upper),
+            # What asks for all that the joints can do, or more, is out of reach.
+            "beyond_limits": (reference < lower + EDGE) | (reference > upper - EDGE),
         }
         for name, energy in zip(Energies._fields, np.array(self._energies).T, strict=True):
             # A tank without limit has no level.

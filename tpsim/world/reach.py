@@ -14,6 +14,9 @@ from tpsim.robot.objects import NONE, Objects
 from tpsim.robot.robot import Robot
 from tpsim.robot.views.view import View
 
+NEARLY = 1e-5
+"""Value [m], [rad] of a view that counts as zero where steps towards it have become short."""
+
 
 @border
 def reach(
@@ -116,6 +119,8 @@ def satisfy(
             break
         q = np.clip(q + step * min(1.0, 0.5 / longest), robot.lower, robot.upper)
     worst = int(np.argmax(np.abs(y)))
+    if abs(y[worst]) < NEARLY:
+        return q
     names = [f"{type(v).__name__} '{label}'" for v in views for label in v.labels(robot)]
     raise SimulationError(
         "no posture within the joint limits makes all views zero: "

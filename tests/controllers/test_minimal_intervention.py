@@ -8,6 +8,7 @@ from tpsim.control import projection
 from tpsim.controllers.minimal_intervention import MinimalIntervention
 from tpsim.controllers.product import Skill
 from tpsim.errors import ArgumentError
+from tpsim.learning.free_movement import free_share, relevance
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.tasks.cup_and_sugar import sugar
 from tpsim.world.impedance import Drive, hand_stiffness
@@ -97,6 +98,34 @@ def test_behaviours_taught_apart_are_multiplied(robot, state):
     for k in (0, 1):
         total = products[0][k] + products[1][k]
         np.testing.assert_allclose(products[2][k], total, rtol=1e-6, atol=1e-6 * abs(total).max())
+
+
+def test_what_matters_is_kept_in_motions_that_also_turn_what_is_free(robot, state):
+    """The sugar's place matters, how it is turned does not, and was turned by 1 deg only.
+
+    Modes of the arm that move its place turn the sugar by far more than that. They are no less
+    precise for it: springs are those of the place alone, and what turns the sugar has none.
+    """
+    view = sugar.VIEWS["sugar from cup"]
+    deviation = np.array([0.002] * 3 + [0.02] * 3)
+    gaussian = Gaussian(view(robot.at_home).value[None], np.diag(deviation**2)[None])
+    free = np.diag([0.05] * 3 + [0.02] * 3) ** 2
+    known = relevance(gaussian, free, view.kinds(robot))
+    taught = Skill({"above": view}, TPGMM(np.ones(1), (gaussian,), relevance=(known,)))
+    prior = Gaussian(robot.home, np.diag(np.full(robot.n, 1e4)))
+    now = command(state, [taught], bandwidth=1e3, effort=EFFORT, prior=prior)
+    J = sugar.ABOVE.position(state).jacobian
+    place = J.T @ J * (0.002**-2 - 0.05**-2)
+    M = state.mass
+    expected = M @ impedance(place + 1e-9 * M, EFFORT * M)[0]
+    np.testing.assert_allclose(now.stiffness, expected, atol=2e-3 * np.abs(expected).max())
+    # A mode by inertia seems free: it is not asked what of it is.
+    L = np.linalg.cholesky(M)
+    white = np.linalg.solve(L, np.linalg.solve(L, place).T)
+    modes = np.linalg.solve(L.T, np.linalg.eigh(white)[1][:, -3:])
+    turning = np.linalg.norm(view(state).jacobian[3:] @ modes, axis=0) / 0.02
+    precision = (modes * (place @ modes)).sum(0)
+    assert (free_share(precision, turning**2) > 0.5).any()
 
 
 def same(one, other):

@@ -110,6 +110,32 @@ class Modes:
     @classmethod
     def of(cls, product: Information, state: State) -> "Modes":
         """Modes of a product at a state."""
+        return UnitInertia.of(product, state).modes()
+
+
+@dataclass(frozen=True, eq=False)
+class UnitInertia:
+    """The product of all frames in coordinates z = L^T q, before its modes are looked for.
+
+    Parameters
+    ----------
+    inertia_root : (n, n)
+        L, with M = L L^T.
+    jacobian : (m, n)
+        Of the stacked views, J L^-T.
+    precision : (n, n)
+    gradient : (n,)
+        Of the log-likelihood; zero at the optimum.
+    """
+
+    inertia_root: np.ndarray
+    jacobian: np.ndarray
+    precision: np.ndarray
+    gradient: np.ndarray
+
+    @classmethod
+    def of(cls, product: Information, state: State) -> "UnitInertia":
+        """A product at a state."""
         J, y, W = product.jacobian, product.value, product.precision
         L = dpotrf(state.mass, lower=1)[0]
         # (J L^-T)^T: the Jacobian with respect to z.
@@ -117,14 +143,19 @@ class Modes:
         # At this size @ costs twice as much as dot, and numpy's wrapper a third of LAPACK's call.
         JW = Jz.dot(W)
         gradient = Jz.dot(product.target) - JW.dot(y)
-        values, V, failed = dsyevd(JW.dot(Jz.T), overwrite_a=1)
+        return cls(L, Jz.T, JW.dot(Jz.T), gradient)
+
+    def modes(self) -> Modes:
+        """Eigenvectors of the precision, and the way to the optimum."""
+        L = self.inertia_root
+        values, V, failed = dsyevd(self.precision)
         if failed:
             raise SimulationError("the precision of the frames has no eigendecomposition")
         # At a singular posture a frame may lose its last direction: no pull there, not infinity.
         np.maximum(values, max(1e-9 * values[-1], NOTHING), out=values)
         # Way to the optimum of each mode: Lambda_z^-1 times the gradient.
-        way = dtrtrs(L, V.dot(V.T.dot(gradient) / values), lower=1, trans=1)[0]
-        return cls(L, V, values, way)
+        way = dtrtrs(L, V.dot(V.T.dot(self.gradient) / values), lower=1, trans=1)[0]
+        return Modes(L, V, values, way)
 
 
 def check_determined(product: Information, state: State) -> None:

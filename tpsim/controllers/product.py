@@ -145,6 +145,11 @@ class Product:
     Parameters
     ----------
     skills : sequence of Skill
+
+    Attributes
+    ----------
+    free_precision : (m, m)
+        Of free movement, added up over all frames: the product, if everything was free.
     """
 
     def __init__(self, skills: Sequence[Skill]):
@@ -165,6 +170,7 @@ class Product:
                 self._free_starts.append(sum(map(len, roots)))
                 roots.append(root)
         self._free = np.concatenate(roots)
+        self.free_precision = self._free.T.dot(self._free)
         self._looked: tuple[Objects, np.ndarray] | None = None
         # With one component each, nothing depends on the state.
         self._fixed = None

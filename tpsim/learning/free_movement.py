@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg.lapack import dpotrf, dsyevd, dtrtrs
 
 from tpsim.archive import Part
 from tpsim.checks import frozen_array
@@ -35,6 +36,10 @@ BOUNDARY = float(np.exp(-SPREAD * np.sqrt(2 * np.log(DECADES / (np.sqrt(2 * np.p
 SHARP = 4
 """Exponent with which a direction of a product turns from free to precise at the boundary: as
 sharp as a decision, but no jump as directions change with the posture."""
+
+
+LOST = 1e-13
+"""Share of all precision below which rounding leaves nothing of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,6 +167,31 @@ def chance_of(ratio: ArrayLike, samples: float = np.inf) -> np.ndarray:
     variance = SPREAD**2 + 0.5 / samples
     free = np.exp(-0.5 * z**2 / variance) / np.sqrt(2 * np.pi * variance)
     return (1 / DECADES) / (free + 1 / DECADES)
+
+
+def against_free(precision: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Directions of a product of frames, the columns of X (n, n), and their duals Y = X^-T.
+
+    They are the eigenvectors of the product's precision relative to that of free movement, as the
+    directions within one frame are (:func:`relevance`). Along them both are diagonal,
+    Lambda = Y p Y^T and Lambda_0 = Y p_0 Y^T, so that a direction that matters has no part in one
+    that does not: whether it matters is asked of the marginal of free movement. A hand that an arm
+    moves aside and turns as it does is not free because turning is. They are the same in all
+    coordinates, however heavy what moves is.
+
+    Parameters
+    ----------
+    precision, free : (n, n)
+        Lambda and Lambda_0, positive semi-definite.
+    """
+    both = BOUNDARY**2 * precision + free
+    # Where neither knows anything.
+    both.flat[:: len(both) + 1] += max(LOST * both.trace(), np.finfo(float).tiny)
+    R = dpotrf(both, lower=1)[0]
+    white = dtrtrs(R, dtrtrs(R, free, lower=1)[0].T, lower=1)[0]
+    U = dsyevd(white)[1]
+    X: np.ndarray = dtrtrs(R, U, lower=1, trans=1)[0]
+    return X, R.dot(U)
 
 
 def free_share(precision: ArrayLike, free: ArrayLike) -> np.ndarray:

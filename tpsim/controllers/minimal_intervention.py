@@ -86,6 +86,8 @@ class MinimalIntervention(Intervention):
         is free.
         """
         assert self._product is not None
+        if not self._product.free_precision.any():
+            return seen
         J = seen.jacobian
         X, Y = against_free(seen.precision, J.T.dot(self._product.free_precision).dot(J))
         precision = (X * seen.precision.dot(X)).sum(0).clip(0.0)

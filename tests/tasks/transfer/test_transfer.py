@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from tpsim import rotation
+from tpsim.learning.gmm import GMM
 from tpsim.pose import Pose
+from tpsim.retrieval.gmr import gmr
 from tpsim.study.executor import perform_condition
 from tpsim.study.record import Records
 from tpsim.study.study import Lab, Plan
@@ -94,6 +96,19 @@ def test_each_dock_is_precise_where_the_hand_is_in_it(lab):
     (start_first, start_last), (end_first, end_last) = deviations
     assert start_first < 0.01 and end_last < 0.01
     assert start_last > 10 * start_first and end_first > 10 * end_last
+
+
+def test_how_far_a_pose_spreads_in_which_direction_is_believed_as_far_as_lessons_tell(lab):
+    """Of a pose between the docks six lessons tell little but how far it spreads at all."""
+    controller = lab.task.controller(lab.world, lab.models, draw_situation(lab.task, 0, 0))
+    first, second = (movement.covariance for movement in controller.movements)
+    spread = np.linalg.eigvalsh(first[-1][3:, 3:])
+    assert spread[-1] < 4 * spread[0]
+    frame = lab.models["transfer"].frames[3]  # orientation, as the second dock saw it
+    raw = gmr(GMM(lab.models["transfer"].priors, frame), [0.0, lab.task.layout.movement])
+    np.testing.assert_allclose(
+        np.trace(second[-1][3:, 3:]), np.trace(raw.covariance[-1]), rtol=1e-9
+    )
 
 
 def test_unseen_docks_near_and_far_moved_and_a_pushed_arm(lab):

@@ -25,6 +25,7 @@ from tpsim.gaussian import Gaussian
 from tpsim.learning.dtw import align
 from tpsim.learning.gmm import GMM
 from tpsim.learning.semi_markov import SemiMarkovChain
+from tpsim.learning.shrinkage import towards_equal_spread
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.manifold.gaussian import RiemannianGaussian
 from tpsim.manifold.manifold import R
@@ -208,15 +209,23 @@ class Transfer(Task):
         return Situation(tuple(start), docks.at_rest(placed))
 
     def controller(self, world: World, models: Models, situation: Situation) -> FiniteHorizon:
-        """GMR over time in every frame, then LQT of all of them."""
+        """GMR over time in every frame, then LQT of all of them.
+
+        How far a pose spreads in one direction and in another is believed as far as so many
+        demonstrations can tell (:func:`~tpsim.learning.shrinkage.towards_equal_spread`): by chance
+        a dock saw some turn of the hand keep still that nobody cared for.
+        """
         model, joints = models["transfer"], arm(world.robot, docks.GRIPPER)
         movement = self.layout.movement
         times = np.linspace(0.0, movement, round(movement / DT) + 1)
         *seen, posture = (gmr(GMM(model.priors, frame), times) for frame in model.frames)
-        movements = []
+        movements, shown = [], round(model.samples / self.samples)
         for parts in zip(seen[::2], seen[1::2], strict=True):
             covariance = np.zeros((len(times), 6, 6))
-            covariance[:, :3, :3], covariance[:, 3:, 3:] = (part.covariance for part in parts)
+            covariance[:, :3, :3], covariance[:, 3:, 3:] = (
+                towards_equal_spread(part.covariance, shown) if shown else part.covariance
+                for part in parts
+            )
             mean = np.hstack([gaussian.mean for gaussian in parts])
             movements.append(RiemannianGaussian.trusted_on(POSE, mean, covariance))
         return FiniteHorizon(
@@ -230,7 +239,7 @@ class Transfer(Task):
             dt=float(times[1]),
             effort=self.effort * effort_of(world.robot, joints),
             chain=stays(model, times[::TICKS]) if self.progress == "state" else None,
-            shown=round(model.samples / self.samples) or None,
+            shown=shown or None,
         )
 
     def goals(self) -> dict[str, Goal]:

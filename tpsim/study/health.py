@@ -40,7 +40,7 @@ def saturated_percent(records: Records) -> float:
 def unreachable_samples(
     records: Records, controller: str | None = "learned", label: Labels = None
 ) -> int:
-    """Samples in which a posture beyond the joints' limits was asked for."""
+    """Samples in which a joint was asked to go to where its limit is guarded, or beyond."""
     return int(
         sum(record["beyond_limits"].any(1).sum() for record in records.select(label, controller))
     )
@@ -72,7 +72,7 @@ CONTACTS = Measure("contacts", whole=contacts, limit=0, title="Trials in which s
 UNREACHABLE = Measure(
     "unreachable_samples",
     whole=unreachable_samples,
-    title="Samples that asked for a posture beyond limits",
+    title="Samples that asked for a posture at or beyond joint limits",
 )
 
 

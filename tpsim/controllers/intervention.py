@@ -80,7 +80,7 @@ class Intervention(OptimalImpedance):
         alike. From one renewal to the next it is not the gradient of one potential: led round a
         loop it may give or take energy, which the tank bounds (:mod:`tpsim.world.tank`).
         """
-        modes = Modes.of(product, state)
+        modes = UnitInertia.of(product, state).modes()
         root = modes.inertia_root.dot(modes.vectors)
         stiffness = self.stiffness(modes.precision, state.robot)
         return Impedance.of_modes(root, stiffness, state.q + modes.way)
@@ -106,11 +106,6 @@ class Modes:
     vectors: np.ndarray
     precision: np.ndarray
     way: np.ndarray
-
-    @classmethod
-    def of(cls, product: Information, state: State) -> "Modes":
-        """Modes of a product at a state."""
-        return UnitInertia.of(product, state).modes()
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,11 +10,11 @@ from contextlib import contextmanager
 from functools import lru_cache
 from threading import Lock, local
 
-from threadpoolctl import ThreadpoolController
+from threadpoolctl import LibController, ThreadpoolController
 
 _lock = Lock()
 _depth = 0
-_before: list = []
+_blas: list[tuple[LibController, int]] = []
 _own = local()
 
 
@@ -29,11 +29,10 @@ def one_thread() -> Iterator[None]:
     global _depth
     first = not getattr(_own, "inside", False)
     if first:
-        _own.inside = True
-        own = _libraries("openmp").limit(limits=1)
+        _own.inside, openmp = True, _limited("openmp")
     with _lock:
         if _depth == 0:
-            _before.append(_blas_for_any_thread().limit(limits=1))
+            _blas[:] = _limited("blas")
         _depth += 1
     try:
         yield
@@ -41,24 +40,34 @@ def one_thread() -> Iterator[None]:
         with _lock:
             _depth -= 1
             if _depth == 0:
-                _blas_for_any_thread()
-                _before.pop().restore_original_limits()
-                _blas_for_any_thread()
+                _restore(_blas)
         if first:
-            own.restore_original_limits()
+            _restore(openmp)
             _own.inside = False
 
 
-def _blas_for_any_thread() -> ThreadpoolController:
-    """BLAS libraries, of which any thread may set limits next.
+def _limited(kind: str) -> list[tuple[LibController, int]]:
+    """Libraries that had more threads than one before this call, and how many."""
+    found = [(library, library.num_threads) for library in _libraries(kind).lib_controllers]
+    before = [(library, count) for library, count in found if count != 1]
+    _restore([(library, 1) for library, _ in before])
+    return before
 
-    threadpoolctl 3.7 and later otherwise ignores all threads but the last that did.
+
+def _restore(before: list[tuple[LibController, int]]) -> None:
+    for library, count in before:
+        _let_any_thread(library)
+        library.set_num_threads(count)
+        _let_any_thread(library)
+
+
+def _let_any_thread(library: LibController) -> None:
+    """Let the thread that comes next set the limit of OpenBLAS.
+
+    threadpoolctl 3.7 and later otherwise hears none but the first that did.
     """
-    found = _libraries("blas")
-    for library in found.lib_controllers:
-        if hasattr(library, "clear_controlling_thread"):
-            library.clear_controlling_thread(force=True)
-    return found
+    if hasattr(library, "clear_controlling_thread"):
+        library.clear_controlling_thread(force=True)
 
 
 def linear_algebra() -> str:

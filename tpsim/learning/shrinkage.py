@@ -89,41 +89,15 @@ def _shrunk(frame: Gaussian, count: int, inputs: NDArray, blocks: int) -> Gaussi
         cross = Sigma[:, outputs[:, None], inputs]
         among = inverse_spd(Sigma[:, inputs[:, None], inputs], "input covariance")
         explained = symmetric(cross @ among @ cross.mT)
-    Sigma[of_outputs] = _towards_equal_spread(S - explained, count, blocks) + explained
+    Sigma[of_outputs] = towards_equal_spread(S - explained, count, blocks) + explained
     return Gaussian(frame.mean, Sigma)
 
 
-def shrink_correlations(covariance: NDArray, count: int) -> NDArray:
-    """Shrink correlations in covariances (..., d, d) that were seen in few demonstrations.
+def towards_equal_spread(S: NDArray, count: int, blocks: int = 1) -> NDArray:
+    """Shrink covariances (K, C d, C d) of C vectors in d dimensions, from ``count`` demonstrations.
 
-    Variances stay. Correlations r are multiplied by 1 - lambda, with the weight of least expected
-    square error [Schaefer and Strimmer 2005],
-
-        lambda = sum Var(r) / sum r^2,   Var(r) = (1 - r^2)^2 / (M - 1),
-
-    at most 1, summed over all pairs of variables, in which the variance of a correlation is that of
-    M normal samples. By chance a few poses vary little in some oblique direction, and a product
-    over frames believes that direction.
-
-    Parameters
-    ----------
-    covariance : (..., d, d)
-    count : int
-        Number M of demonstrations.
+    By :func:`oracle_weight`, as :func:`shrink_directions` does with a model.
     """
-    deviation = np.sqrt(np.einsum("...ii->...i", covariance))
-    scale = deviation[..., :, None] * deviation[..., None, :]
-    others = 1 - np.eye(covariance.shape[-1])
-    r = covariance / scale * others
-    square = (r**2).sum((-2, -1))
-    chance = (others * (1 - r**2) ** 2).sum((-2, -1)) / max(count - 1, 1e-9)
-    weight = np.minimum(chance / np.maximum(square, 1e-300), 1.0)
-    shrunk: NDArray = ((1 - weight[..., None, None]) * r + 1 - others) * scale
-    return shrunk
-
-
-def _towards_equal_spread(S: NDArray, count: int, blocks: int) -> NDArray:
-    """Shrink covariances (K, C d, C d) of C vectors in d dimensions."""
     d = S.shape[-1] // blocks
     parted = S.reshape(-1, blocks, d, blocks, d)
     of_blocks = np.einsum("kcaea->kce", parted) / d

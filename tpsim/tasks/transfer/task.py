@@ -25,7 +25,7 @@ from tpsim.gaussian import Gaussian
 from tpsim.learning.dtw import align
 from tpsim.learning.gmm import GMM
 from tpsim.learning.semi_markov import SemiMarkovChain
-from tpsim.learning.shrinkage import shrink_correlations
+from tpsim.learning.shrinkage import towards_equal_spread
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.manifold.gaussian import RiemannianGaussian
 from tpsim.manifold.manifold import R
@@ -211,8 +211,8 @@ class Transfer(Task):
     def controller(self, world: World, models: Models, situation: Situation) -> FiniteHorizon:
         """GMR over time in every frame, then LQT of all of them.
 
-        How positions, and turns about a dock's axes, go together is believed as far as so many
-        demonstrations can tell (:func:`~tpsim.learning.shrinkage.shrink_correlations`): by chance
+        How far a pose spreads in one direction and in another is believed as far as so many
+        demonstrations can tell (:func:`~tpsim.learning.shrinkage.towards_equal_spread`): by chance
         a dock saw some turn of the hand keep still that nobody cared for.
         """
         model, joints = models["transfer"], arm(world.robot, docks.GRIPPER)
@@ -223,7 +223,7 @@ class Transfer(Task):
         for parts in zip(seen[::2], seen[1::2], strict=True):
             covariance = np.zeros((len(times), 6, 6))
             covariance[:, :3, :3], covariance[:, 3:, 3:] = (
-                shrink_correlations(part.covariance, shown) if shown else part.covariance
+                towards_equal_spread(part.covariance, shown) if shown else part.covariance
                 for part in parts
             )
             mean = np.hstack([gaussian.mean for gaussian in parts])

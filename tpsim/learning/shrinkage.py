@@ -89,15 +89,12 @@ def _shrunk(frame: Gaussian, count: int, inputs: NDArray, blocks: int) -> Gaussi
         cross = Sigma[:, outputs[:, None], inputs]
         among = inverse_spd(Sigma[:, inputs[:, None], inputs], "input covariance")
         explained = symmetric(cross @ among @ cross.mT)
-    Sigma[of_outputs] = towards_equal_spread(S - explained, count, blocks) + explained
+    Sigma[of_outputs] = _towards_equal_spread(S - explained, count, blocks) + explained
     return Gaussian(frame.mean, Sigma)
 
 
-def towards_equal_spread(S: NDArray, count: int, blocks: int = 1) -> NDArray:
-    """Shrink covariances (K, C d, C d) of C vectors in d dimensions, from ``count`` demonstrations.
-
-    By :func:`oracle_weight`, as :func:`shrink_directions` does with a model.
-    """
+def _towards_equal_spread(S: NDArray, count: int, blocks: int) -> NDArray:
+    """Shrink covariances (K, C d, C d) of C vectors in d dimensions."""
     d = S.shape[-1] // blocks
     parted = S.reshape(-1, blocks, d, blocks, d)
     of_blocks = np.einsum("kcaea->kce", parted) / d

@@ -25,7 +25,6 @@ from tpsim.gaussian import Gaussian
 from tpsim.learning.dtw import align
 from tpsim.learning.gmm import GMM
 from tpsim.learning.semi_markov import SemiMarkovChain
-from tpsim.learning.shrinkage import towards_equal_spread
 from tpsim.learning.tp_gmm import TPGMM, fit_tp_gmm
 from tpsim.manifold.gaussian import RiemannianGaussian
 from tpsim.manifold.manifold import R
@@ -211,20 +210,19 @@ class Transfer(Task):
     def controller(self, world: World, models: Models, situation: Situation) -> FiniteHorizon:
         """GMR over time in every frame, then LQT of all of them.
 
-        How far a pose spreads in one direction and in another is believed as far as so many
-        demonstrations can tell (:func:`~tpsim.learning.shrinkage.towards_equal_spread`): by chance
-        a dock saw some turn of the hand keep still that nobody cared for.
+        A few demonstrations tell how far a hand spreads along and about the axes of a dock, and
+        joints of the arm, but not how these depend on each other: by chance some oblique turn is
+        seen to keep still that nobody cared for, and a product over docks believes it.
         """
         model, joints = models["transfer"], arm(world.robot, docks.GRIPPER)
         movement = self.layout.movement
         times = np.linspace(0.0, movement, round(movement / DT) + 1)
         *seen, posture = (gmr(GMM(model.priors, frame), times) for frame in model.frames)
-        movements, shown = [], round(model.samples / self.samples)
+        movements = []
         for parts in zip(seen[::2], seen[1::2], strict=True):
             covariance = np.zeros((len(times), 6, 6))
             covariance[:, :3, :3], covariance[:, 3:, 3:] = (
-                towards_equal_spread(part.covariance, shown) if shown else part.covariance
-                for part in parts
+                part.covariance * np.eye(3) for part in parts
             )
             mean = np.hstack([gaussian.mean for gaussian in parts])
             movements.append(RiemannianGaussian.trusted_on(POSE, mean, covariance))
@@ -232,14 +230,13 @@ class Transfer(Task):
             world.robot,
             docks.NAMES,
             movements,
-            # Too few demonstrations to tell how seven joints depend on each other.
             Gaussian(posture.mean, posture.covariance * np.eye(posture.dim)),
             joints=joints,
             site=docks.GRIPPER,
             dt=float(times[1]),
             effort=self.effort * effort_of(world.robot, joints),
             chain=stays(model, times[::TICKS]) if self.progress == "state" else None,
-            shown=shown or None,
+            shown=round(model.samples / self.samples) or None,
         )
 
     def goals(self) -> dict[str, Goal]:

@@ -161,7 +161,10 @@ def _readers_of(owner: Any) -> dict[str, Reader]:
     kinds = reversed(owner.__mro__) if isinstance(owner, type) else (owner,)
     found = {}
     for kind in kinds:
-        known = vars(sys.modules[kind.__module__])
+        module = sys.modules.get(kind.__module__)
+        # A class that came from another process may have left its module there.
+        made = vars(kind).get("__init__")
+        known = getattr(made, "__globals__", {}) if module is None else vars(module)
         for name, hint in inspect.get_annotations(kind).items():
             if name != "return":
                 found[name] = reader(resolved(hint, known))

@@ -59,4 +59,4 @@ def test_they_agree_on_a_urdf_of_example_robot_data(path):
     from example_robot_data.robots_loader import getModelPath
 
     file = Path(getModelPath(path)) / path
-    agree(arms_in(read_urdf(file, None, ()).spec, path).robot())
+    agree(arms_in(read_urdf(file).spec, path).robot())

@@ -13,6 +13,8 @@ from tpsim.errors import ArgumentError
 from tpsim.robot import anatomy
 from tpsim.robot.gripper import Gripper
 from tpsim.robot.indices import Chain
+from tpsim.study.reference import load_study
+from tpsim.tasks import STUDIES
 
 ARM = """
 <mujoco model="panda">
@@ -157,3 +159,55 @@ def test_a_file_of_a_user_is_a_robot(tmp_path):
     assert robot.velocity_limit.max() == 3.0 and "left_elbow" in robot.sites
     with pytest.raises(ArgumentError, match=r"is int; name lab\.Arms"):
         find(f"{tmp_path / 'mine.py'}:number")
+
+
+def urdf(joints=5):
+    """An arm of a URDF, whose links touch each other where they meet."""
+    inertial = (
+        '<inertial><mass value="1"/><origin xyz="0 0 .1"/>'
+        '<inertia ixx=".01" iyy=".01" izz=".01" ixy="0" ixz="0" iyz="0"/></inertial>'
+    )
+    shape = (
+        '<collision><origin xyz="0 0 .1"/><geometry><cylinder radius=".03" length=".2"/>'
+        "</geometry></collision>"
+    )
+    text = f'<robot name="arm"><link name="base">{inertial}</link>'
+    before = "base"
+    for k in range(joints):
+        axis = "0 0 1" if k % 2 == 0 else "0 1 0"
+        text += (
+            f'<link name="l{k}">{inertial}{shape}</link><joint name="j{k}" type="revolute">'
+            f'<parent link="{before}"/><child link="l{k}"/><origin xyz="0 0 .2"/>'
+            f'<axis xyz="{axis}"/><limit lower="-2" upper="2" effort="50" velocity="{1 + k / 10}"/>'
+            "</joint>"
+        )
+        before = f"l{k}"
+    return text + "</robot>"
+
+
+def test_hands_of_a_urdf_are_found_and_it_moves_as_fast_as_it_says(tmp_path):
+    file = tmp_path / "arm.urdf"
+    file.write_text(urdf())
+    found = find(str(file))
+    assert found.hands == {"left_hand": "left_gripper"} and "left_elbow" in found.sites
+    np.testing.assert_allclose(found.velocity_limit, 1 + np.arange(5) / 10)
+    named = lab.Arms(file, {"left": Gripper("l4", (0, 0, 0.2))}).robot()
+    np.testing.assert_allclose(named.velocity_limit, found.velocity_limit)
+    data = mujoco.MjData(named.model)
+    mujoco.mj_forward(named.model, data)
+    assert not data.ncon
+
+
+def test_a_name_that_is_not_in_a_file_is_said_with_those_that_are(tmp_path):
+    file = tmp_path / "my_arms.py"
+    file.write_text("from tpsim.catalogue.ours import planar3\nmine = planar3()\n")
+    with pytest.raises(ArgumentError, match=r"no 'nope' in .*its arms and robots are mine"):
+        find(f"{file}:nope")
+
+
+@pytest.mark.parametrize("task", ["pointing", "transfer"])
+def test_a_robot_without_the_hand_of_a_task_is_told_what_is_missing(task, tmp_path):
+    file = tmp_path / "bare.py"
+    file.write_text("from tpsim.catalogue.ours import planar5\nrobot = planar5()\n")
+    with pytest.raises(ArgumentError, match=r"need one at 'left_gripper', and a site 'left_elbow'"):
+        load_study(task, STUDIES).with_task(robot=str(file)).task.world()

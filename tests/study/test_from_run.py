@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 from tpsim.cli.main import main
-from tpsim.errors import RecordingError
+from tpsim.errors import ArgumentError, RecordingError
 from tpsim.learning.tp_gmm import TPGMM
 from tpsim.study.files.checked import plain
 from tpsim.study.files.run import load_run, open_run
+from tpsim.study.teaching import models_of
 from tpsim.study.teaching_files import write_demonstrations
+from tpsim.tasks.pointing.study import pointing
 
 TOY = Path(__file__).parent / "toy.py"
 
@@ -88,3 +90,15 @@ def test_interrupted_teaching_is_not_learned_from(run, capsys):
     words = ("learn", f"{TOY}:study", "--demonstrations", run.folder / "demonstrations")
     assert "teaching was interrupted" in tpsim(capsys, *words)
     assert "bring/run.json in" in tpsim(capsys, "learn", f"{TOY}:study", "--from", run.folder)
+
+
+def test_what_one_robot_learned_is_not_given_to_another(run):
+    with pytest.raises(ArgumentError, match=r"taught with the joints .*elbow.* has .*joint3"):
+        models_of(pointing, run)
+
+
+def test_fields_of_the_wrong_kind_are_refused_before_anything_is_taught(toy):
+    with pytest.raises(ArgumentError, match="bring effort is 'soft'"):
+        toy.with_task(effort="soft")
+    with pytest.raises(ArgumentError, match="pointing components is 0"):
+        pointing.with_task(components=0)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from tpsim.errors import ArgumentError
-from tpsim.study.measure import Result, rms
+from tpsim.study.measure import Measure, Result, rms
 from tpsim.study.metrics import displacement, mean_force, push_interval, work
 from tpsim.world.trial import Trial
 
@@ -22,6 +22,12 @@ from tpsim.world.trial import Trial
 )
 def test_a_measure_knows_whether_it_keeps_its_limit(value, limit, at_least, passed):
     assert Result("tilt", "Tilt", value, "deg", limit, at_least).passed is passed
+
+
+def test_what_no_trial_was_asked_for_is_not_missed():
+    measure = Measure("tilt", of=lambda record: None, label="pushed", limit=5.0)
+    assert measure.result(None).passed is False
+    assert measure.result(None, asked=False).passed is None
 
 
 def test_rms_of_a_sine_is_its_amplitude_over_root_two():

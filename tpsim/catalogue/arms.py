@@ -12,10 +12,12 @@ from tpsim.checks import shown
 from tpsim.errors import ArgumentError
 from tpsim.robot.anatomy import elbow
 from tpsim.robot.gripper import Gripper, add_frame
+from tpsim.robot.holding import exclude_touching
 from tpsim.robot.home import Home
 from tpsim.robot.limits import Limit
-from tpsim.robot.reading import read
+from tpsim.robot.reading import Draft, read
 from tpsim.robot.robot import Robot
+from tpsim.robot.urdf import read_urdf
 
 Side = Literal["left", "right"]
 
@@ -37,14 +39,14 @@ class Arms:
     Parameters
     ----------
     file : str, Path or MjSpec
-        MJCF: path, text or specification.
+        MJCF: path, text or specification; or the path of a URDF.
     grippers : mapping of side to Gripper
         Where each hand grips.
     elbows : mapping of side to str
         Body of the file that turns about the elbow; found, where it is not given.
     torque_limit, velocity_limit, home
         As :meth:`Robot.from_mjcf <tpsim.robot.robot.Robot.from_mjcf>` takes them; joints turn no
-        faster than 3 rad/s by default.
+        faster than their URDF says, or 3 rad/s, by default.
 
     Raises
     ------
@@ -68,8 +70,10 @@ class Arms:
 
     def robot(self) -> Robot:
         """The robot, taken in; errors are those of ``Robot.from_mjcf``."""
-        spec = read(self.file).spec
-        hands = {}
+        draft, hands = draft_of(self.file), {}
+        spec, velocity_limit = draft.spec, self.velocity_limit
+        if velocity_limit == SLOW and draft.velocity_limit:
+            velocity_limit = draft.velocity_limit
         for side, gripper in self.grippers.items():
             hands[f"{side}_hand"] = f"{side}_gripper"
             add_frame(spec, f"{side}_gripper", gripper)
@@ -81,10 +85,19 @@ class Arms:
             spec,
             hands,
             torque_limit=self.torque_limit,
-            velocity_limit=self.velocity_limit,
+            velocity_limit=velocity_limit,
             home=self.home,
         )
         return _with_elbows(robot, [side for side in self.grippers if side not in self.elbows])
+
+
+def draft_of(file: str | Path | mujoco.MjSpec) -> Draft:
+    """What an MJCF says, or a URDF by its path, whose neighbours do not collide."""
+    if not isinstance(file, str | Path) or not str(file).lower().endswith(".urdf"):
+        return read(file)
+    draft = read_urdf(file)
+    exclude_touching(draft.spec, {})
+    return draft
 
 
 def _with_elbows(robot: Robot, sides: list[Side]) -> Robot:

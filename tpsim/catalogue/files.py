@@ -2,16 +2,13 @@
 
 import importlib.util
 import sys
+from dataclasses import replace
 from pathlib import Path
 
-import mujoco
-
-from tpsim.catalogue.arms import Arms
+from tpsim.catalogue.arms import Arms, draft_of
 from tpsim.catalogue.hands import arms_in
 from tpsim.errors import ArgumentError, one_line
-from tpsim.robot.reading import read
 from tpsim.robot.robot import Robot
-from tpsim.robot.urdf import read_urdf
 
 
 def of_file(name: str) -> Robot:
@@ -28,13 +25,10 @@ def of_file(name: str) -> Robot:
     file = Path(name)
     if not file.is_file():
         raise ArgumentError(f"there is no file {name}; --robot takes a robot's file or name")
-    return arms_in(_spec(file), name).robot()
-
-
-def _spec(file: Path) -> mujoco.MjSpec:
-    if file.suffix.lower() == ".urdf":
-        return read_urdf(file, None, ()).spec
-    return read(file).spec
+    draft = draft_of(file)
+    arms = arms_in(draft.spec, name)
+    stated = draft.velocity_limit
+    return (replace(arms, velocity_limit=stated) if stated else arms).robot()
 
 
 def _of_python(path: Path, name: str) -> Robot:
@@ -50,7 +44,13 @@ def _of_python(path: Path, name: str) -> Robot:
         raise ArgumentError(
             f"{path} does not import: {type(error).__name__}: {one_line(error)}"
         ) from error
-    value = getattr(module, name, None)
+    if not hasattr(module, name):
+        kinds = Arms, Robot
+        there = [key for key, value in vars(module).items() if isinstance(value, kinds)]
+        raise ArgumentError(
+            f"there is no '{name}' in {path}; its arms and robots are {', '.join(there) or 'none'}"
+        )
+    value = getattr(module, name)
     if callable(value):
         value = value()
     if isinstance(value, Arms):

@@ -175,8 +175,8 @@ def _told(options: type[O], name: str, words: Sequence[str]) -> tuple[O, list[st
 def _first_part(box: str) -> str:
     """What a box of tyro says before its first line of division."""
     lines = [line.strip("│ ") for line in box.splitlines()[1:]]
-    end = next((i for i, line in enumerate(lines) if re.match("[─╰]", line)), len(lines))
-    return re.sub(r"^[-─]{5,} ", "", " ".join(lines[:end]))
+    parts = re.split(r"(?:^| )[-─╰]{5,}(?: |$)", " ".join(lines))
+    return next((part.strip() for part in parts if part.strip()), "")
 
 
 def _not_empty(before: str, word: str) -> None:

@@ -23,8 +23,8 @@ _UNSUPPORTED = {"planar", "floating"}
 
 def read_urdf(
     path: str | Path,
-    packages: Mapping[str, str | Path] | None,
-    hands: Collection[str | Gripper],
+    packages: Mapping[str, str | Path] | None = None,
+    hands: Collection[str | Gripper] | None = None,
 ) -> Draft:
     """Read a URDF file.
 
@@ -38,8 +38,9 @@ def read_urdf(
     packages : mapping of str to path or None
         Folder of each package that ``package://`` names; without it, folders above the file are
         searched.
-    hands : collection of str or Gripper
-        Links at whose frames a site is added, called as the link; grippers are left to others.
+    hands : collection of str or Gripper, optional
+        Links at whose frames a site is added, called as the link; grippers are left to others. By
+        default hands are for others to find.
 
     Raises
     ------
@@ -60,7 +61,8 @@ def read_urdf(
     changes += make_physical(robot)
     text = ElementTree.tostring(robot, encoding="unicode")
     spec = parsed(lambda: mujoco.MjSpec.from_string(text), str(path))
-    _add_hand_sites(spec, hands)
+    if hands is not None:
+        _add_hand_sites(spec, hands)
     return Draft(spec, _velocity_limits(robot), tuple(changes))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.robot.views.view import View
 from tpsim.study.executor import perform_condition
-from tpsim.study.measure import Figure, Measure, Result
+from tpsim.study.measure import Figure, Measure, Result, concerns
 from tpsim.study.record import Records
 from tpsim.study.recording import say
 from tpsim.study.study import Lab, Study
@@ -59,7 +59,13 @@ def results(lab: Lab, records: Records) -> list[Result]:
     measures = {measure.name: measure for measure in study.all_measures}
     plain = {SPEED: Measure(SPEED, unit="x", title="Faster than real time, one core")}
     others = [plain.get(name) or Measure(name) for name in figures if name not in measures]
-    return [measure.result(figures[measure.name]) for measure in (*study.all_measures, *others)]
+    labels = {record.condition.label for record in records}
+    found = []
+    for measure in (*study.all_measures, *others):
+        number = figures[measure.name]
+        asked = number is not None or any(concerns(measure, label) for label in labels)
+        found.append(measure.result(number, asked=asked))
+    return found
 
 
 def _probed(name: str, probe: Callable[[Lab], float], lab: Lab) -> float | None:

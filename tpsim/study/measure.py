@@ -154,11 +154,10 @@ class Measure:
         return [n for record in chosen if (n := self.number(record)) is not None]
 
     @border
-    def result(self, value: Figure) -> "Result":
-        """The figure with its limit."""
-        return Result(
-            self.name, self.title or self.name, value, self.unit, self.limit, self.at_least
-        )
+    def result(self, value: Figure, *, asked: bool = True) -> "Result":
+        """The figure with its limit, which says nothing where no trial was to be measured."""
+        limit = self.limit if asked else None
+        return Result(self.name, self.title or self.name, value, self.unit, limit, self.at_least)
 
 
 def concerns(measure: Measure, label: str) -> bool:

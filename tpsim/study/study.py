@@ -202,8 +202,10 @@ class Study:
         return {**self.all_controllers, **self.contest.softer, **variants}
 
     def with_task(self, **fields: object) -> "Study":
-        """The same study of a task with other fields."""
-        return self.about(replace(self.task, **fields))  # type: ignore[type-var]
+        """The same study of a task with other fields, of the kinds that it asks for."""
+        task = replace(self.task, **fields)  # type: ignore[type-var]  # subclasses are dataclasses
+        checked(task)
+        return self.about(task)
 
     @border
     def in_world(self, world: World) -> "Study":

@@ -5,7 +5,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from tpsim import paths
-from tpsim.errors import SimulationError
+from tpsim.checks import shown
+from tpsim.errors import ArgumentError, SimulationError
 from tpsim.study import learned
 from tpsim.study.files.models_file import model_files, save_models
 from tpsim.study.files.run import DEMONSTRATIONS, Run
@@ -69,11 +70,11 @@ def teach(
     for behaviour in task.behaviours():
         check_place(task, folder, behaviour)
     all_shown = taught_all(study, count, seed)
-    for behaviour, shown in all_shown.items():
+    for behaviour, taught in all_shown.items():
         place = add_demonstrations(
-            folder, study, behaviour, shown.trials, seed=seed, command=command
+            folder, study, behaviour, taught.trials, seed=seed, command=command
         )
-        attempts[behaviour] = shown.attempts
+        attempts[behaviour] = taught.attempts
         written.append(str(place))
     return {
         "task": task.name,
@@ -130,6 +131,12 @@ def demonstrations_of(study: Study, given: Source | None) -> Taught:
 def models_of(study: Study, given: Source | None) -> Models:
     """The models of a run, where one is given that has them all; else learned."""
     if isinstance(given, Run):
+        taught, here = given.world.robot.joints, study.task.stage.robot.joints
+        if taught != here:
+            raise ArgumentError(
+                f"{given.folder} was taught with the joints {shown(taught)}, and this robot has "
+                f"{shown(here)}: what one has learned another cannot do; teach this one"
+            )
         models = given.check().models
         if study.task.behaviours().keys() <= models.keys():
             return models

@@ -21,6 +21,24 @@ AHEAD = (0.52, 0.05, 0.0)
 """Where the hand is at home, from the shoulder of an arm of size 1 [m]."""
 
 
+def one_handed(robot: Robot, name: str) -> Robot:
+    """The robot, if it has the hand and the elbow by which tasks of one hand know an arm.
+
+    Raises
+    ------
+    ArgumentError
+        If the robot has no hand at ``left_gripper``, or no site at its elbow.
+    """
+    missing = [site for site in (GRIPPER, "left_elbow") if site not in robot.sites]
+    if missing or GRIPPER not in robot.hands.values():
+        raise ArgumentError(
+            f"{name} has hands at {', '.join(robot.hands.values())}; tasks of one hand need one at "
+            f"'{GRIPPER}', and a site 'left_elbow': describe its arms by lab.Arms, as "
+            "docs/recipes/robot.md shows"
+        )
+    return robot
+
+
 def furnished(
     robot: Robot,
     name: str,
@@ -37,13 +55,8 @@ def furnished(
     Raises
     ------
     ArgumentError
-        If the robot has no hand at ``left_gripper``, or cannot hold it there.
+        If the robot cannot hold its hand there.
     """
-    if GRIPPER not in robot.hands.values():
-        raise ArgumentError(
-            f"{name} has no hand at '{GRIPPER}', but at {', '.join(robot.hands.values())}: "
-            "describe its arms by lab.Arms, as docs/recipes/robot.md shows"
-        )
     place = Workplace.of(robot)
     lowest = np.inf if middle is None else float(middle[2])
     stage = world(

@@ -66,7 +66,7 @@ def home(robot: Robot, name: str, room: float) -> tuple[Mapping[str, Held], Robo
     """
     found: list[World] = []
     ways: list[Mapping[str, Held]] = []
-    why = ""
+    why = "in no posture its motors carry both, and its arms keep off each other and the table"
     for way in WAYS:
         stage = world(robot, held=way)
         if name in KNOWN:

@@ -10,7 +10,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from tpsim.border import Positive
+from tpsim.border import Count, NotNegative, Positive
 from tpsim.catalogue.robots import find
 from tpsim.controllers.minimal_intervention import MinimalIntervention
 from tpsim.controllers.product import Skill
@@ -79,10 +79,10 @@ class CupAndSugar(Task):
     robot: str = DEFAULT
     room: Positive = 1.0
     effort: Positive = 1.0
-    bandwidth: float | None = None
-    friction: float = 180.0
-    components: int = 1
-    hold: float = 0.1
+    bandwidth: Positive | None = None
+    friction: NotNegative = 180.0
+    components: Count = 1
+    hold: Positive = 0.1
     teacher: TeacherName = "human"
 
     duration: ClassVar[float] = 6.0

@@ -16,7 +16,7 @@ from tpsim.robot.views.joints import Joints, Spare
 from tpsim.robot.views.sites import Object, Site
 from tpsim.robot.views.view import View
 from tpsim.scene.compose import Held, Placed
-from tpsim.tasks.one_hand import GRIPPER, furnished
+from tpsim.tasks.one_hand import GRIPPER, furnished, one_handed
 from tpsim.tasks.planar import on_the_floor
 from tpsim.tasks.workplace import size_of
 from tpsim.world.people.care import EVERYTHING, Care
@@ -127,7 +127,7 @@ NEAREST, FARTHEST = (0.39, -0.31, -0.33), (0.74, 0.19, -0.33)
 @lru_cache(maxsize=4)
 def spatial_world(name: str) -> World:
     """A robot at its table with a beam in its left gripper, which shows where it points."""
-    robot = find(name)
+    robot = one_handed(find(name), name)
     size, shoulder = size_of(robot), _shoulder(robot)
     markers = {
         each: Placed("marker", tuple((shoulder + size * np.array(spot)).tolist()))

@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from tpsim.border import Positive
+from tpsim.border import Count, NotNegative, Positive
 from tpsim.controllers.product import Skill
 from tpsim.controllers.timed_intervention import TimedIntervention
 from tpsim.controllers.torque_cost import acceleration_effort
@@ -84,13 +84,13 @@ class Pointing(Task):
 
     robot: str = FLAT
     effort: Positive = 1.0
-    components: int = 6
-    factors: int = 1
+    components: Count = 6
+    factors: Count = 1
     order: Order = "pooled"
-    hold: float = 0.1
-    restless: float = 0.02
-    bent: float = 0.06
-    hurry: float = 0.05
+    hold: Positive = 0.1
+    restless: NotNegative = 0.02
+    bent: NotNegative = 0.06
+    hurry: NotNegative = 0.05
     teacher: TeacherName = "firm"
 
     duration: ClassVar[float] = SCHEDULE[-1]

@@ -14,7 +14,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from tpsim.border import Count, Positive
+from tpsim.border import Count, Positive, Share
 from tpsim.controllers.product import Skill
 from tpsim.controllers.timed_intervention import PERIOD, TimedIntervention
 from tpsim.controllers.torque_cost import acceleration_effort
@@ -129,7 +129,7 @@ class Serve(Task):
     components: Count = 32
     covariance: Covariance = "full"
     samples: Count = 360
-    warp: float = 0.05
+    warp: Share = 0.05
     progress: Literal["state", "clock"] = "state"
     teacher: TeacherName = "firm"
 

@@ -13,7 +13,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from tpsim.border import Positive
+from tpsim.border import Count, NotNegative, Positive
 from tpsim.catalogue.ours import planar5
 from tpsim.controllers.product import Skill
 from tpsim.controllers.pursuit import Pursuit
@@ -78,9 +78,9 @@ class Tracking(Task):
 
     taught: tuple[Teaching, ...] = TEACHINGS
     effort: Positive = 1.0
-    components: int = 1
+    components: Count = 1
     structure: Literal["spherical", "diagonal", "full", "learned"] = "spherical"
-    bend: float = 0.3
+    bend: NotNegative = 0.3
     carousel: Carousel = Carousel()  # noqa: RUF009 - a frozen value
     teacher: TeacherName = "firm"
 

@@ -14,7 +14,7 @@ from tpsim.errors import ArgumentError, SimulationError
 from tpsim.pose import Pose
 from tpsim.robot.robot import Robot
 from tpsim.scene.compose import Held, Placed, world
-from tpsim.tasks.one_hand import furnished
+from tpsim.tasks.one_hand import furnished, one_handed
 from tpsim.tasks.transfer import docks
 from tpsim.tasks.transfer.teacher import lesson_between
 from tpsim.tasks.workplace import DEFAULT, size_of
@@ -77,7 +77,8 @@ def arranged(name: str) -> Arrangement:
     if name in kept:
         shift, tilt, pace, home = (kept[name][key] for key in ("shift", "tilt", "pace", "home"))
         return Arrangement(docks.Layout(tuple(shift), tilt, pace), np.array(home))
-    return search(_world(find(name), docks.STANDARD, solid=False), name)
+    robot = one_handed(find(name), name)
+    return search(_world(robot, docks.STANDARD, solid=False), name)
 
 
 def search(stage: World, name: str) -> Arrangement:

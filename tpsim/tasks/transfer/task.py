@@ -14,7 +14,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 
 from tpsim.agreement import agree
-from tpsim.border import Positive, Range
+from tpsim.border import Count, Positive, Range, Share
 from tpsim.controllers.finite_horizon import FiniteHorizon
 from tpsim.controllers.optimal import bandwidth_for
 from tpsim.controllers.seen_poses import POSE
@@ -130,9 +130,9 @@ class Transfer(Task):
 
     robot: str = DEFAULT
     effort: Positive = 1.0
-    components: int = 10
-    samples: int = 150
-    warp: float = 0.1
+    components: Count = 10
+    samples: Count = 150
+    warp: Share = 0.1
     progress: Literal["clock", "state"] = "clock"
     teacher: TeacherName = "firm"
     perception: Perception = Perception()  # noqa: RUF009 - a frozen value

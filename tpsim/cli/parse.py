@@ -144,8 +144,10 @@ def _read(options: type[O], name: str, words: Sequence[str]) -> O:
     """Options of a command; every word has to be understood."""
     read, unknown = _told(options, name, words)
     if unknown:
-        flags = ["--" + f.name.replace("_", "-") for f in dataclasses.fields(options)]
         word = next((word for word in unknown if word.startswith("--")), unknown[0])
+        flags = ["--" + f.name.replace("_", "-") for f in dataclasses.fields(options)]
+        # What is an argument has a name, too, and is no option.
+        flags = [flag for flag in flags if flag != word.partition("=")[0]]
         if not word.startswith("-"):
             raise ArgumentError(f"{name}: unexpected {word!r}; --help lists the options")
         hint = nearest(word.partition("=")[0], flags) or "; --help lists the options"

@@ -122,7 +122,7 @@ def study_of(run: Run, study: Study | None = None) -> Study:
             named = f"its study is {task.reference}" if task.reference else "it names no study"
             raise ArgumentError(
                 f"{run.folder} is not of tpsim's own tasks: {named}; name it yourself if you "
-                "trust it, as my_task.py:study"
+                "trust it, --study my_task.py:study"
             )
         study = load_study(task.reference)
     recorded = with_fields(study.task, task.fields, f"{run.folder / 'run.json'}: task.fields")

@@ -71,7 +71,7 @@ def entry(name: str) -> Entry:
     names = [*CATALOGUE, *(PREFIX + arm for arm in menagerie.names())]
     near = difflib.get_close_matches(name, names, 3, 0.4)
     near += [n for n in names if name and name.lower() in n and n not in near][:3]
-    hint = f"; did you mean {' or '.join(near)}?" if near else ""
+    hint = f"; did you mean {' or '.join(near)}?" if near else "."
     raise ArgumentError(
         f"unknown robot '{name}'{hint} There are {', '.join(CATALOGUE)}, menagerie:NAME, and files "
         "of yours (.xml, .urdf, my_arms.py:name); tpsim robots lists them"

@@ -120,7 +120,8 @@ class Simulation:
             return index, np.eye(3), np.zeros(3)
         site = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_SITE, name)
         if site < 0:
-            bodies = [self.model.body(b).name for b in range(1, self.model.nbody)]
+            names = (self.model.body(b).name for b in range(1, self.model.nbody))
+            bodies = [body for body in names if body]
             sites = [self.model.site(s).name for s in range(self.model.nsite)]
             raise SimulationError(
                 f"no body or site {shown(name)} in the scene; it has bodies {bodies} "

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from sklearn.mixture import GaussianMixture
 
@@ -171,6 +171,7 @@ def test_frames_of_wrong_number_or_shape_are_refused(model):
 
 
 @settings(max_examples=300, deadline=None)
+@example(seed=507, D=1, dims=[4, 4, 4], steps=(), kinds=[1, 1, 1], ridge=None, weak=False)
 @given(
     seed=st.integers(0, 2**31),
     D=st.integers(1, 4),

@@ -137,13 +137,10 @@ class Campaign(Work, SeededCommand):
             number("--repeats", self.repeats, 1, MANY)
         if self.duration is not None:
             number("--duration", self.duration, 0, HOUR)
-        if self.lead and self.undisturbed:
-            raise ArgumentError("--lead and --undisturbed: give one of them")
-        pushed = {"--force": self.force, "--impulse": self.impulse}
-        for name in (name for name, given in pushed.items() if given):
-            if self.lead or self.undisturbed:
-                other = "--lead" if self.lead else "--undisturbed"
-                raise ArgumentError(f"{name} and {other}: give one of them")
+        names = "lead", "undisturbed", "force", "impulse"
+        given = [f"--{name}" for name in names if getattr(self, name)]
+        if len(given) > 1 and given[0] in ("--lead", "--undisturbed"):
+            raise ArgumentError(f"{given[1]} and {given[0]}: give one of them")
 
     def execute(self, study: "Study", line: str) -> Answer:
         """Perform the campaign."""
@@ -287,10 +284,10 @@ def _sweep(word: str) -> tuple[str, "Sweep"]:
     found = re.fullmatch(r"(\w+)(:?)=(.+)", word)
     if found is None:
         raise ArgumentError(f"--sweep {word}: give field=1,2,3, or field:=1,2,3 or field:=1..3")
-    name, learned, values = found[1], not found[2], found[3]
+    learned, values = not found[2], found[3]
     if ".." in values:
-        return name, Sweep(span=_levels("--sweep", (values,)), learn=learned)  # type: ignore[arg-type]
-    return name, Sweep(tuple(map(_value, values.split(","))), learn=learned)
+        return found[1], Sweep(span=_levels("--sweep", (values,)), learn=learned)  # type: ignore[arg-type]
+    return found[1], Sweep(tuple(map(_value, values.split(","))), learn=learned)
 
 
 def _value(word: str) -> object:

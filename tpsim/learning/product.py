@@ -20,6 +20,7 @@ Stack = Callable[[tuple[int, ...]], tuple[np.ndarray, np.ndarray]]
 """Means (G, K, d) and precisions (G, K, d, d) that the model learned in the frames asked for."""
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def product_of_frames(
     stack: Stack,
     frames: Sequence[Frame | None],
@@ -62,7 +63,12 @@ def product_of_frames(
     elif not determined and not any(_determines(A, inverse) for A, inverse in maps):
         _check_all_seen([inverse for _, inverse in maps])
     covariance = inverse_spd(_sum(precisions), "sum of the frames' precisions")
-    return Gaussian.trusted((covariance @ _sum(informations))[..., 0] + origin, covariance)
+    mean = (covariance @ _sum(informations))[..., 0] + origin
+    if not np.isfinite(mean.sum()):
+        raise ArgumentError(
+            "frames ask for means beyond all numbers; give matrices A of entries nearer to one"
+        )
+    return Gaussian.trusted(mean, covariance)
 
 
 def _sum(parts: list[np.ndarray]) -> np.ndarray:

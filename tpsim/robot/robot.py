@@ -297,5 +297,4 @@ class Robot:
         """Jacobian (6, n) of a site, world-aligned."""
         frame = self.frame_of(site)
         self._place(state)
-        J = pin.getFrameJacobian(self._pin, self._kinematics, frame, _ALIGNED)
-        return J.reshape(6, -1)
+        return pin.getFrameJacobian(self._pin, self._kinematics, frame, _ALIGNED).reshape(6, -1)

@@ -293,9 +293,8 @@ def _packed_error(error: Exception) -> bytes:
         error.add_note("in a worker process:\n" + "".join(traceback.format_exception(error)))
         error.place = place(error)  # type: ignore[attr-defined]
     try:
-        packed = cloudpickle.dumps((None, error))
-        pickle.loads(packed)
+        pickle.loads(packed := cloudpickle.dumps((None, error)))
     except Exception:
-        reason = f"{type(error).__name__} in a worker process: {error}"
-        packed = pickle.dumps((None, SimulationError(reason)))
+        said = SimulationError(f"{type(error).__name__} in a worker process: {error}")
+        packed = pickle.dumps((None, said))
     return packed

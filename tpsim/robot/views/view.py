@@ -117,9 +117,9 @@ class View(ABC):
 
     def __getitem__(self, rows: int | slice | Sequence[int]) -> "Part":
         """Some of the dimensions: ``view[:2]``, ``view[0]``, ``view[[0, 2]]``."""
-        if isinstance(rows, slice) and rows.stop is None:
-            raise ArgumentError("say where the part of a view ends, as in view[:2]")
         if isinstance(rows, slice):
+            if rows.stop is None:
+                raise ArgumentError("say where the part of a view ends, as in view[:2]")
             rows = range(rows.start or 0, rows.stop, rows.step or 1)
         return Part(self, tuple(read("rows", rows, Sequence[int])))
 
@@ -143,8 +143,8 @@ class View(ABC):
             If the view has not this unit.
         """
         base, factor = UNITS.get(unit, (unit, 1.0))
-        labels = self.labels(robot)
-        own = {match.group(1) for label in labels if (match := re.search(r"\[(.*)\]", label))}
+        found = (re.search(r"\[(.*)\]", label) for label in self.labels(robot))
+        own = {match.group(1) for match in found if match}
         if own != {base}:
             raise ArgumentError(f"unit {shown(unit)} does not fit a view in {sorted(own)}")
         return factor
@@ -185,8 +185,7 @@ class Part(View):
 
     def see(self, state: State) -> Seen:
         """Select the rows."""
-        rows = self._rows
-        value, jacobian, drift, rate = self.whole(state)
+        rows, (value, jacobian, drift, rate) = self._rows, self.whole(state)
         return Seen(value[rows], jacobian[rows], drift[rows], None if rate is None else rate[rows])
 
     def along(self, movement: Along) -> np.ndarray:
@@ -287,11 +286,10 @@ class Beneath(View):
         if self.bend is None:
             return Seen(value, beneath, drift, beneath)
         s = self.damping**2 + self.bend * sqrt(value.dot(value))
-        G, one = beneath.dot(beneath.T), eye(len(value))
+        one, follows = eye(len(value)), J_second if rate is None else rate
         # P = G (G + s I)^-1 = I - s (G + s I)^-1.
-        free = one - s * dposv(G + s * one, one)[1]
-        rate = J_second if rate is None else rate
-        return Seen(free.dot(value), beneath, free.dot(drift), free.dot(rate))
+        free = one - s * dposv(beneath.dot(beneath.T) + s * one, one)[1]
+        return Seen(free.dot(value), beneath, free.dot(drift), free.dot(follows))
 
 
 def _check_flat(view: View, what: str) -> None:

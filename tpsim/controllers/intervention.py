@@ -11,12 +11,10 @@ from tpsim.controllers.optimal import OptimalImpedance
 from tpsim.controllers.product import Information, Product, Skill, posture_skill
 from tpsim.errors import ArgumentError, SimulationError
 from tpsim.gaussian import Gaussian
+from tpsim.learning.free_movement import LOST
 from tpsim.robot.state import State
 from tpsim.robot.views.joints import Joints
 from tpsim.world.impedance import Impedance
-
-LOST = 1e-13
-"""Share of the largest precision below which rounding leaves nothing of it."""
 
 NOTHING = 1e-12
 """Precision [1/(kg m^2)] that is none."""

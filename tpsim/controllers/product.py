@@ -78,7 +78,10 @@ class Stack:
             y[rows], J[rows] = seen.value, seen.jacobian
 
     def follow(self, state: State) -> tuple[np.ndarray, np.ndarray]:
-        """Drift (size,) as in :meth:`drift`, and how values follow the joints (size, n)."""
+        """Drift (size,) of the views, and how their values follow the joints (size, n).
+
+        They drift while the robot rests, since objects move.
+        """
         drift, rate = np.zeros(self.size), np.zeros((self.size, state.robot.n))
         for view, rows in zip(self.views, self.rows, strict=True):
             with suppress(UnseenError):
@@ -89,11 +92,7 @@ class Stack:
 
     def drift(self, state: State) -> np.ndarray:
         """Rates (size,) at which the views change while the robot rests, since objects move."""
-        found = np.zeros(self.size)
-        for view, rows in zip(self.views, self.rows, strict=True):
-            with suppress(UnseenError):
-                found[rows] = view(state).drift
-        return found
+        return self.follow(state)[0]
 
     def unsure(self, state: State) -> np.ndarray:
         """Covariance (size, size) of the views, from that of the objects that they look from or at.

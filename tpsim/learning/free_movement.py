@@ -39,7 +39,7 @@ sharp as a decision, but no jump as directions change with the posture."""
 
 
 LOST = 1e-13
-"""Share of all precision below which rounding leaves nothing of it."""
+"""Share of the largest precision, or of all, below which rounding leaves nothing of it."""
 
 
 @dataclass(frozen=True, eq=False)
